@@ -8,11 +8,11 @@ fn main() -> anyhow::Result<()> {
 
     let seconds = std::env::args().nth(1).map_or(Ok(600.0), |text| text.parse())?;
     let target = QemuTarget::start(&drive())?;
-    let Soaked { runs, samples, on_rung, in_simulation } = soak(&target, seconds);
+    let Soaked { runs, samples, on_level, in_simulation } = soak(&target, seconds);
     println!("{runs} runs, {samples} samples equal to the simulation, no fault, nothing lost");
     println!(
         "{:.1} s on the emulated board, {:.1} s simulated",
-        on_rung.as_secs_f64(),
+        on_level.as_secs_f64(),
         in_simulation.as_secs_f64()
     );
     println!("{}", target.cost().unwrap_or_default());

@@ -1,9 +1,9 @@
-//! A real board as a rung, named by environment variables.
+//! A real board as an execution level, named by environment variables.
 //!
 //! | variable | names |
 //! |---|---|
 //! | `PNEUDRIVE_BOARD` | the port of the protocol, such as `/dev/ttyACM0` |
-//! | `PNEUDRIVE_BOARD_PLANT` | the second port, of a board whose image speaks the plant bus there: the plant is simulated here, and every test body of a simulated rung runs |
+//! | `PNEUDRIVE_BOARD_PLANT` | the second port, of a board whose image speaks the plant bus there: the plant is simulated here, and every test body of a simulated execution level runs |
 //! | `PNEUDRIVE_BOARD_RIG` | without the second port: the rig file, or built-in rig, whose test may be run on the cylinder that is there; its record is replayed |
 //!
 //! Any name that `pneudrive --port` takes will do. Without the first one there is nothing to test, and that is
@@ -38,8 +38,8 @@ type Run = Box<dyn Fn()>;
 /// A test body and its name.
 pub type Body = (&'static str, Run);
 
-/// A test body of every simulated rung.
-type OnRung = fn(body::Start);
+/// A test body of every simulated execution level.
+type OnLevel = fn(body::Start);
 
 static BENCH: OnceLock<Bench> = OnceLock::new();
 
@@ -91,7 +91,7 @@ fn read_rig(name: &str) -> Result<Rig> {
 }
 
 fn simulated() -> Vec<Body> {
-    let bodies: [(&str, OnRung); 15] = [
+    let bodies: [(&str, OnLevel); 15] = [
         ("closed loops are the simulation", body::closed_loop),
         ("open loops are the simulation", body::open_loop),
         ("profiles are those of the simulation and replay", body::profiles),
@@ -116,7 +116,7 @@ struct BoardTarget {
     bench: &'static Bench,
 }
 
-/// Puts the board into service with a simulated plant, as on the other rungs.
+/// Puts the board into service with a simulated plant, as on the other execution levels.
 fn start(rig: &Rig) -> Box<dyn Target> {
     let bench = BENCH.get().expect("a body runs at a bench");
     if let Plant::Simulated(plant) = &bench.plant {

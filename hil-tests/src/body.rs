@@ -1,4 +1,4 @@
-//! Test bodies that run on every rung. They panic, as tests do.
+//! Test bodies that run on every execution level. They panic, as tests do.
 
 pub mod axis;
 pub mod jitter;
@@ -22,7 +22,7 @@ pub use run::{assert_equal_in_every_integer, rig, run_and_record, start_run};
 use crate::Target;
 use run::{assert_is_the_simulation, replayed, run_on};
 
-/// Starts a rung whose plant has the true parameters of a rig, and its controller the nominal ones.
+/// Starts an execution level whose plant has the true parameters of a rig, and its controller the nominal ones.
 pub type Start = fn(&Rig) -> Box<dyn Target>;
 
 /// Steps of the servo-drives in closed loop.
@@ -51,7 +51,7 @@ pub fn without_pressure_sensors(start: Start) {
     assert!(replay.recorded.iter().all(|sample| [sample.pressure_1, sample.pressure_2] == [0, 0]));
 }
 
-/// Moves with every profile, with feed-forward: each rung makes the same setpoints, and a replay makes them again from the
+/// Moves with every profile, with feed-forward: each execution level makes the same setpoints, and a replay makes them again from the
 /// header of its file.
 ///
 /// # Panics
@@ -243,7 +243,7 @@ pub fn stepper(start: Start) {
     assert_equal_in_every_integer(&*start(&rig), &rig);
 }
 
-/// The inputs of a rung's record, as `pneudrive record` leaves it, through the controller on the PC.
+/// The inputs of an execution level's record, as `pneudrive record` leaves it, through the controller on the PC.
 /// The recorded inputs make the recorded outputs on the PC: what is done with a record from a real cylinder.
 ///
 /// # Panics

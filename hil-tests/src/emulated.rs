@@ -1,4 +1,4 @@
-//! The emulated board as a rung, and the builds for it.
+//! The emulated board as an execution level, and the builds for it.
 
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;

@@ -24,7 +24,7 @@ const CASES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../sim/tests/cases");
 
 const ABOUT: &str = "\
 # CRC-64 (XZ) of trace.csv of every built-in rig and reference case, and of the samples of TARGET files, which
-# are the same on every rung. A changed hash is a changed result: `cargo xtask bless --cause WORDS` replaces it,
+# are the same on every level. A changed hash is a changed result: `cargo xtask bless --cause WORDS` replaces it,
 # WORDS being those of a line of CHANGELOG.md that says why.
 ";
 
@@ -87,10 +87,10 @@ fn profiled(name: &str) -> Rig {
     )
 }
 
-/// The hashes of the samples of TARGET files of a rung.
+/// The hashes of the samples of TARGET files of an execution level.
 ///
 /// # Errors
-/// When the rung cannot be started.
+/// When the execution level cannot be started.
 ///
 /// # Panics
 /// When a run does not come to its end.
@@ -111,7 +111,7 @@ pub fn records(start: impl Fn(&Rig) -> Result<Box<dyn Target>>) -> Result<BTreeM
     steps.into_iter().chain(profiles).map(hashed).collect()
 }
 
-/// The virtual rig, as a rung of [`records`].
+/// The virtual rig, as an execution level of [`records`].
 ///
 /// # Errors
 /// When it cannot be started.

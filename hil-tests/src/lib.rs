@@ -1,7 +1,7 @@
-//! Rungs that run the firmware, behind one trait: tests are written once ([`body`]) and run on
+//! Execution levels that run the firmware, behind one trait: tests are written once ([`body`]) and run on
 //! each.
 //!
-//! | rung | is |
+//! | execution level | is |
 //! |---|---|
 //! | [`VirtualTarget`] | the virtual rig, over TCP and over a pty |
 //! | [`QemuTarget`] | the image for a Cortex-M4, in the emulator |
@@ -41,10 +41,10 @@ use pneudrive_sim::Rig;
 pub use emulated::{QemuTarget, board_runner, image, program};
 pub use service::commission;
 
-/// How long a rung whose time is its own may keep silent: a busy machine lets its threads and processes wait.
+/// How long an execution level whose time is its own may keep silent: a busy machine lets its threads and processes wait.
 const PATIENCE: Duration = Duration::from_secs(20);
 
-/// A rung with a port to talk to.
+/// An execution level with a port to talk to.
 pub trait Target {
     /// Name for messages.
     fn name(&self) -> &str;
@@ -84,7 +84,7 @@ pub trait Target {
     }
 }
 
-/// A rung whose power can be cut.
+/// An execution level whose power can be cut.
 pub trait Supplied: Target {
     /// The power goes in the middle of the nth write or erase of the flash from now; the next one is the
     /// first.
@@ -96,11 +96,11 @@ pub trait Supplied: Target {
     /// The power comes back, or goes and comes back.
     ///
     /// # Errors
-    /// When the rung does not come up again.
+    /// When the execution level does not come up again.
     fn power_up(&mut self) -> Result<()>;
 }
 
-/// A rung that can be made late.
+/// An execution level that can be made late.
 pub trait Delayed: Target {
     /// Sample k of each run comes so much later than it should, microseconds of the board's clock.
     fn delay_sample(&self, k: u64, late_us: u16);

@@ -1,4 +1,4 @@
-//! The proof that a test enforces the equality of the rungs: if one rounding is changed in the image, and nowhere else, it
+//! The proof that a test enforces the equality of the execution levels: if one rounding is changed in the image, and nowhere else, it
 //! fails.
 
 use std::fs;
@@ -69,7 +69,7 @@ fn change(file: &Path) -> Result<()> {
     Ok(fs::write(file, text.replace(TOWARD_ZERO, &format!("{TOWARD_ZERO}{LESS}")))?)
 }
 
-/// How the equality test fails on a rung with a changed image.
+/// How the equality test fails on an execution level with a changed image.
 ///
 /// # Errors
 /// When it passes, or fails for another reason.

@@ -1,4 +1,4 @@
-//! The `pneudrive` program at a rung's port, as a user runs it.
+//! The `pneudrive` program at an execution level's port, as a user runs it.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

@@ -73,7 +73,7 @@ pub enum Loss {
 /// A loss at a sample of each run; clones share it.
 type PowerLoss = Arc<Mutex<Option<(u64, Loss)>>>;
 
-/// The board as a rung.
+/// The board as an execution level.
 pub struct WiredTarget {
     port: String,
     late: LateSample,
@@ -98,7 +98,7 @@ impl WiredTarget {
             stop: Arc::clone(&stop),
         };
         let model = rig.clone();
-        std::thread::spawn(move || Rung::new(&model, Callers::new(listener), late, power_loss).serve(&stop));
+        std::thread::spawn(move || Level::new(&model, Callers::new(listener), late, power_loss).serve(&stop));
         commission(&target, rig)?;
         Ok(target)
     }
@@ -272,7 +272,7 @@ impl ClockedBoard for TestBoard {
 }
 
 /// The board with its control and its port.
-struct Rung {
+struct Level {
     drive: Drive<TestBoard>,
     wires: Wires,
     callers: Callers,
@@ -280,14 +280,14 @@ struct Rung {
     power_loss: PowerLoss,
 }
 
-impl Rung {
-    fn new(rig: &Rig, callers: Callers, late: LateSample, power_loss: PowerLoss) -> Rung {
+impl Level {
+    fn new(rig: &Rig, callers: Callers, late: LateSample, power_loss: PowerLoss) -> Level {
         let wires = Wires::default();
         let mut board = TestBoard::new(rig, &wires);
         let mut control = Control::default();
         control.set_referenced().expect("a new drive is disarmed");
         control.take_up(&mut board);
-        Rung { drive: Drive::new(control, board, 0), wires, callers, late, power_loss }
+        Level { drive: Drive::new(control, board, 0), wires, callers, late, power_loss }
     }
 
     fn serve(mut self, stop: &AtomicBool) {

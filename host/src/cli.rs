@@ -18,7 +18,7 @@ use pneudrive_link::port::address;
 use pneudrive_rigs::wiring::WiringFault;
 use pneudrive_sim::trace::{EXTRAS, Extra};
 
-pub use choices::{Integration, MethodName, Neighbours, Pages, RigChoice};
+pub use choices::{EnsembleChoice, Integration, MethodName, Pages, RigChoice};
 pub use design::NewRig;
 pub use device::{BringUp, ConfigAction, Device, DeviceAction, Position, RecordsAction, ValveAction};
 pub use experiments::{ALL, Characterise, LIST, Ladder, Merge, Study, Sweep, Thesis, Tune};
@@ -198,15 +198,15 @@ pub struct Simulate {
     /// Skip report.html, which takes longer than most runs
     #[arg(long)]
     pub no_report: bool,
-    /// End with exit code 6 if the drive trips, and with 9 if the run is not decided; all files are written as usual
+    /// End with exit code 6 if the drive trips, and with 9 if the run is not converged; all files are written as usual
     #[arg(long)]
     pub strict: bool,
     /// How to integrate.
     #[command(flatten)]
     pub integration: Integration,
-    /// Its neighbours.
+    /// Its perturbed runs.
     #[command(flatten)]
-    pub neighbours: Neighbours,
+    pub members: EnsembleChoice,
     /// How its pages are written.
     #[command(flatten)]
     pub pages: Pages,

@@ -30,8 +30,8 @@ pub enum Exit {
     NotBorneOut = 7,
     /// Something cannot be written.
     Unwritten = 8,
-    /// A simulated run is not decided, and `--strict` asked for that.
-    Undecided = 9,
+    /// A simulated run is not converged, and `--strict` asked for that.
+    Unconverged = 9,
     /// Ctrl-C: the code that a shell reports for a program ended by SIGINT.
     Interrupted = 130,
     /// Nobody reads the output: the code that a shell reports for a program ended by SIGPIPE.
@@ -42,7 +42,7 @@ pub enum Exit {
 pub const EXITS: [(Exit, &str); 12] = [
     (
         Exit::Done,
-        "done; a simulated drive that trips and a run that is not decided also count as done, unless `--strict` is given",
+        "done; a simulated drive that trips and a run that is not converged also count as done, unless `--strict` is given",
     ),
     (Exit::Failed, "failed for a reason without a code of its own, such as errors in a rig or a file"),
     (Exit::Usage, "wrong usage: the command line is wrong or incomplete"),
@@ -58,10 +58,10 @@ pub const EXITS: [(Exit, &str); 12] = [
     ),
     (
         Exit::NotBorneOut,
-        "the model does not fit, the data cannot decide, or a replay differs from the record",
+        "the model does not fit, the data cannot check_convergence, or a replay differs from the record",
     ),
     (Exit::Unwritten, "a file or the output cannot be written: the disk is full, or a limit is reached"),
-    (Exit::Undecided, "with `simulate --strict`: the run is not decided"),
+    (Exit::Unconverged, "with `simulate --strict`: the run is not converged"),
     (Exit::Interrupted, "stopped by Ctrl-C, SIGTERM or SIGHUP"),
     (Exit::ReaderGone, "the reader of the output has gone, as in `pneudrive study list | head -1`"),
 ];

@@ -36,7 +36,7 @@ fn what_is_done_ends_with_0_and_wrong_use_with_2() {
 
 /// For a test that is run by a script: the same files, and an end that tells.
 #[test]
-fn strictly_a_simulated_trip_ends_with_6_and_an_undecided_run_with_9() {
+fn strictly_a_simulated_trip_ends_with_6_and_an_unconverged_run_with_9() {
     let folder = folder();
     let open = "[[faults.event]]\nkind = \"sensor-open\"\nsensor = \"pressure-1\"\nat_s = 0.1\n";
     fs::write(folder.path().join("open.toml"), open).expect("written");

@@ -179,8 +179,8 @@ fn figures_of_runs_are_those_of_their_files() {
     let file: Value =
         serde_json::from_str(&fs::read_to_string(at.join("sim/run.json")).expect("written")).expect("JSON");
     assert_eq!(
-        (&run["moves"], &run["decided"], &run["ensemble"]),
-        (&file["moves"], &file["decided"], &Value::from(3))
+        (&run["moves"], &run["converged"], &run["ensemble"]),
+        (&file["moves"], &file["converged"], &Value::from(3))
     );
     let figures = result(at, "eval", "sim");
     assert_eq!(figures["moves"], file["moves"]);

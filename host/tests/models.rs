@@ -149,7 +149,7 @@ fn a_run_without_a_page_takes_the_page_of_the_run_before_away() {
     assert!(!folder.path().join("out/report.html").exists());
 }
 
-/// The rows of the second move of a table of moves: the run itself, the least and the most of its neighbours.
+/// The rows of the second move of a table of moves: the run itself, the least and the most of its perturbed runs.
 fn second_move(printed: &str) -> Vec<&str> {
     printed.lines().skip_while(|line| !line.starts_with("2 ")).take(3).collect()
 }

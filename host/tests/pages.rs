@@ -72,7 +72,7 @@ const COMMANDS: [&str; 10] = [
 
 /// Pages with their graphs and curves.
 ///
-/// 7 channels of a transient are 7 curves on 5 graphs; the setpoint is drawn once, of two drives, too. The neighbours
+/// 7 channels of a transient are 7 curves on 5 graphs; the setpoint is drawn once, of two drives, too. The perturbed runs
 /// of a run shade six of them between two edges each. The tuning keeps the gains of the file, and no draw meets its
 /// goal: the steps are one curve on two graphs, with the two bounds; those that settle and those that do not are two
 /// on the third; then come the profile, four of the file's rig, and the search.

@@ -17,7 +17,7 @@ use pneudrive_records::run_folder::{IDENTITY, StoredRun};
 use program::{folder, ok, pneudrive};
 use simulated_link::{Random, cases};
 
-/// Two runs that nobody takes for each other; the second has no neighbours, and so no band.
+/// Two runs that nobody takes for each other; the second has no perturbed runs, and so no band.
 const RUNS: [&str; 2] = [
     "simulate servo-b-tuned --set test.duration_s=0.35 --set load.mass_kg=10 --ensemble 3 --out run",
     "simulate servo-b-tuned --set test.duration_s=0.35 --set load.mass_kg=20 --ensemble 1 --out run",
@@ -123,7 +123,7 @@ fn the_page_and_run_json_tell_of_one_run_and_a_changed_trace_is_refused() {
     ok(folder.path(), "eval run");
 }
 
-/// The neighbours of a run are simulated again from what run.json says; so is a continued one.
+/// The members of the ensemble of a run are simulated again from what run.json says; so is a continued one.
 #[test]
 fn a_run_is_reproduced_from_its_values_whatever_its_moves_are() {
     let folder = folder();

@@ -97,13 +97,13 @@ end = { figure = "end_mm", move = 2 }
 "#;
 
 #[test]
-fn the_points_of_a_grid_tell_whether_they_are_decided_and_have_neighbours_on_request() {
+fn the_points_of_a_grid_tell_whether_they_are_converged_and_have_perturbed_runs_on_request() {
     let folder = folder_with(GRID);
     ok(folder.path(), "sweep s.toml");
     let alone = written(folder.path(), "s/sweep.csv");
-    assert!(alone.starts_with("point,load.mass_kg,end,decided,fault,failure\n"), "{alone}");
-    let decided = alone.lines().skip(1).map(|line| line.split(',').nth(3).expect("a cell"));
-    assert!(decided.clone().all(|cell| ["yes", "no"].contains(&cell)) && decided.count() == 2, "{alone}");
+    assert!(alone.starts_with("point,load.mass_kg,end,converged,fault,failure\n"), "{alone}");
+    let converged = alone.lines().skip(1).map(|line| line.split(',').nth(3).expect("a cell"));
+    assert!(converged.clone().all(|cell| ["yes", "no"].contains(&cell)) && converged.count() == 2, "{alone}");
     let refused = transcript(folder.path(), "sweep s.toml --ensemble 3");
     assert!(refused.contains("belongs to another sweep") && refused.ends_with("= 1"), "{refused}");
     for shard in 1..=2 {
@@ -112,7 +112,7 @@ fn the_points_of_a_grid_tell_whether_they_are_decided_and_have_neighbours_on_req
     }
     ok(folder.path(), "merge shard1 shard2 --out merged");
     let ranges = written(folder.path(), "merged/sweep.csv");
-    assert!(ranges.starts_with("point,load.mass_kg,end,end_least,end_most,decided,"), "{ranges}");
+    assert!(ranges.starts_with("point,load.mass_kg,end,end_least,end_most,converged,"), "{ranges}");
     for (one, other) in ranges.lines().zip(alone.lines()).skip(1) {
         let [ranged, alone] = [one, other].map(|line| line.split(',').collect::<Vec<_>>());
         assert_eq!(ranged[..3], alone[..3], "the nominal run is the same");

@@ -17,7 +17,7 @@
 //! | [`gain_bug`] | the historical bug of the gain routine, for repetition |
 //! | [`characteristics`] | the thesis's component tests, on these very parts |
 //! | [`follow`](mod@follow) | the plant under commands that were recorded |
-//! | [`decision`] | whether a transient is decided, or the error of its integration chose it |
+//! | [`convergence`] | whether a transient is converged, or the error of its integration chose it |
 //! | [`run`](mod@run), [`trace`] | the real controller on the plant, and what came out |
 //!
 //! Everything is SI after loading. Transcendental functions come from `libm`, or from sums and products
@@ -27,7 +27,7 @@ mod assembly;
 pub mod characteristics;
 pub mod component;
 pub mod continuous;
-pub mod decision;
+pub mod convergence;
 pub mod follow;
 pub mod gain_bug;
 pub mod key;
@@ -45,9 +45,9 @@ pub mod trace;
 mod values;
 
 pub use assembly::ValveState;
-pub use decision::{Decision, decide};
+pub use convergence::{Convergence, check_convergence};
 pub use follow::follow;
-pub use plant::{Accuracy, NEIGHBOURS_APART, Plant};
+pub use plant::{Accuracy, PERTURBATION, Plant};
 pub use pneudrive_solver::{IntegrationError, Method};
 pub use rig::Rig;
 pub use run::{Record, Recording, Run, Runner, run, run_recorded, run_watched};

@@ -78,7 +78,7 @@ fn inner_slope([before, after]: [f64; 2], [up, on]: [f64; 2]) -> f64 {
     (weights[0] + weights[1]) / (weights[0] / up + weights[1] / on)
 }
 
-/// That of the parabola through three points, the end and its neighbours, as far as the curve stays monotone.
+/// That of the parabola through three points, the end and its perturbed runs, as far as the curve stays monotone.
 fn end_slope([near, far]: [f64; 2], [first, second]: [f64; 2]) -> f64 {
     let slope = ((2.0 * near + far) * first - near * second) / (near + far);
     if slope * first <= 0.0 {

@@ -6,7 +6,7 @@
 
 mod accuracy;
 
-pub use accuracy::{Accuracy, NEIGHBOURS_APART};
+pub use accuracy::{Accuracy, PERTURBATION};
 
 use pneudrive_controller::{Command, Sample};
 use pneudrive_solver::{IntegrationError, Statistics, System};

@@ -15,7 +15,7 @@ use pneudrive_solver::IntegrationError;
 pub struct Run<R = Row> {
     /// The transient.
     pub rows: Vec<R>,
-    /// What the controller made of each sample: the integers that every rung must repeat.
+    /// What the controller made of each sample: the integers that every execution level must repeat.
     pub observations: Vec<Observation>,
     /// What the sensors were given at each sample.
     pub readings: Vec<Reading>,

@@ -29,7 +29,7 @@ pub const COLUMNS: [&str; 18] = [
     "friction_n",
 ];
 
-/// One row: what the controller saw and decided last, and the plant at the row's time.
+/// One row: what the controller saw and converged last, and the plant at the row's time.
 #[derive(Clone, Copy, Debug)]
 pub struct Row {
     /// s.

@@ -1,7 +1,7 @@
 //! A drive whose load is on bristles (`load.friction = "lugre"`): it converges, comes to rest, and says whether it is
-//! decided.
+//! converged.
 
-use pneudrive_sim::{Accuracy, Rig, Run, decide, run};
+use pneudrive_sim::{Accuracy, Rig, Run, check_convergence, run};
 
 /// A built-in rig on bristles, with settings.
 fn rig(name: &str, settings: &[&str]) -> Rig {
@@ -62,20 +62,20 @@ fn a_load_that_starts_under_a_force_below_its_stiction_is_held_by_its_bristles()
     assert!((last.friction - last.actuator_force).abs() < 1e-6, "{} N", last.friction);
 }
 
-/// What is called decided is the transient of a far finer integration; the others say from when on they are not.
+/// What is called converged is the transient of a far finer integration; the others say from when on they are not.
 #[test]
-fn a_closed_loop_on_bristles_says_whether_it_is_decided() {
-    let mut decided = 0;
+fn a_closed_loop_on_bristles_says_whether_it_is_converged() {
+    let mut converged = 0;
     for name in ["servo-b-tuned", "servo-a-tuned", "lut-stepper"] {
         let rig = rig(name, &["test.duration_s=1.0"]);
         let accuracy = Accuracy::of(&rig);
         let usual = run(&rig, accuracy).expect("a run");
-        let decision = decide(&rig, accuracy, &usual).expect("a decision");
+        let convergence = check_convergence(&rig, accuracy, &usual).expect("a convergence");
         let fine = run(&rig, Accuracy { tolerance: 1e-13, ..accuracy }).expect("a run");
-        let off = apart(&usual, &fine, decision.undecided_from_s.unwrap_or(ALL));
-        println!("{name}: {decision:?}, {off} m off, {:?}", usual.work.integrator);
-        assert!(off < 1e-5, "{name}: {off} m off, {decision:?}");
-        decided += usize::from(decision.is_decided());
+        let off = apart(&usual, &fine, convergence.unconverged_from_s.unwrap_or(ALL));
+        println!("{name}: {convergence:?}, {off} m off, {:?}", usual.work.integrator);
+        assert!(off < 1e-5, "{name}: {off} m off, {convergence:?}");
+        converged += usize::from(convergence.is_converged());
     }
-    assert!(decided >= 1, "none is decided");
+    assert!(converged >= 1, "none is converged");
 }

@@ -58,9 +58,9 @@ const PICO2: Board = Board {
 };
 
 /// Least bytes that are left to the stack.
-const STACK_LEAST: u64 = 8 * 1024;
+const STACK_MIN: u64 = 8 * 1024;
 /// Least bytes of the transient buffer.
-const RECORDER_LEAST: u64 = 60 * 1024;
+const RECORDER_MIN: u64 = 60 * 1024;
 
 /// Builds the images of the Nucleo board, prints what they take and judges them.
 ///
@@ -107,8 +107,8 @@ fn fits(image: &Image, board: &Board, name: &str) -> Result<()> {
     println!("{name}: {flash} bytes of flash, {recorder} of recorder, {stack} left to the stack");
     let limit = board.flash_limit;
     ensure!(flash <= limit, "code and constants take more than {limit} bytes");
-    ensure!(recorder >= RECORDER_LEAST, "the transient buffer has less than {RECORDER_LEAST} bytes");
-    ensure!(stack >= STACK_LEAST, "the stack has less than {STACK_LEAST} bytes");
+    ensure!(recorder >= RECORDER_MIN, "the transient buffer has less than {RECORDER_MIN} bytes");
+    ensure!(stack >= STACK_MIN, "the stack has less than {STACK_MIN} bytes");
     Ok(())
 }
 

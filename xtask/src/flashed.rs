@@ -14,11 +14,11 @@ pub const TOOLS: [&Tool; 2] = [&CMAKE, &CLANG];
 
 /// The short body, which CI runs.
 const SHORT: [&str; 6] =
-    ["test", "--test", "rung", "--", "a_short_run_of_the_flashed_image_is_the_simulation", "--nocapture"];
+    ["test", "--test", "levels", "--", "a_short_run_of_the_flashed_image_is_the_simulation", "--nocapture"];
 
 /// One rounding changed in the image.
 const CHANGED_ROUNDING: [&str; 6] =
-    ["test", "--test", "rung", "--", "a_changed_rounding_in_the_flashed_image_is_seen", "--nocapture"];
+    ["test", "--test", "levels", "--", "a_changed_rounding_in_the_flashed_image_is_seen", "--nocapture"];
 
 /// Every body, at one thread: a body's board and its plant take two.
 const ALL: [&str; 5] = ["test", "--no-fail-fast", "--", "--nocapture", "--test-threads=1"];

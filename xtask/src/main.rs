@@ -67,7 +67,7 @@ enum Command {
         #[arg(default_value_t = 600)]
         seconds: u32,
     },
-    /// Change one rounding in a copy of the sources: the test that the rungs are equal must fail
+    /// Change one rounding in a copy of the sources: the test that the execution levels are equal must fail
     ProveRounding,
     /// Measure the instructions of the control in the emulator, read flash, memory and stack from the images, and
     /// write the tables of docs/firmware-figures.md anew

@@ -31,7 +31,7 @@ pub trait Board {
     fn now_us(&self) -> u64;
 
     /// Milliseconds of wall time by which the silence of the host is judged. None where silence
-    /// means nothing: in runs that prove two rungs equal, and in rigs faster than the clock.
+    /// means nothing: in runs that prove two execution levels equal, and in rigs faster than the clock.
     fn host_clock_ms(&self) -> Option<u64>;
 
     /// The digital inputs, as [`pneudrive_protocol::io::input`] has their bits; all off on a board without any.

@@ -27,7 +27,7 @@ const WORDS: usize = 9;
 const FIRST_ID: u16 = 0x8000;
 
 /// The most pairs that a table takes.
-pub const MOST_PAIRS: usize = PLACES * WORDS;
+pub const MAX_PAIRS: usize = PLACES * WORDS;
 
 /// What is in an empty place.
 const NOTHING: ProfiledMove = ProfiledMove { at_sample: 0, target: 0, kind: NO_MOVE, numbers: [0; 6] };
@@ -86,7 +86,7 @@ impl MoveRecords {
 
     /// All pairs (id, value): the form in which the table is stored.
     pub fn pairs(&self) -> impl Iterator<Item = (u16, i32)> + '_ {
-        (0..MOST_PAIRS).filter_map(|nth| {
+        (0..MAX_PAIRS).filter_map(|nth| {
             let (place, word) = (nth / WORDS, nth % WORDS);
             let told = self.0.get(place).filter(|told| told.kind != NO_MOVE)?;
             let value = match word {
@@ -174,7 +174,7 @@ mod tests {
         for number in 1..=MOVE_RECORDS {
             table.put(number, ramp(i32::MIN + i32::from(number))).expect("a place");
         }
-        assert_eq!(table.pairs().count(), MOST_PAIRS);
+        assert_eq!(table.pairs().count(), MAX_PAIRS);
         table.put(2, NOTHING).expect("a place");
         let mut again = MoveRecords::default();
         assert!(table.pairs().all(|(id, value)| again.take(id, value)));

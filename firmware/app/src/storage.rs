@@ -19,7 +19,7 @@ use pneudrive_controller::Parameters;
 use pneudrive_controller::parameters::SetError;
 use pneudrive_protocol::RecordCrc;
 
-use crate::move_records::{MOST_PAIRS, MoveRecords};
+use crate::move_records::{MAX_PAIRS, MoveRecords};
 pub(crate) use slots::{Found, Record, Slots};
 pub use slots::{LayoutError, SaveError};
 
@@ -103,7 +103,7 @@ impl ConfigStore {
     /// When the ranges can't hold two copies of today's configuration.
     pub fn new<F: NorFlash>(flash: &F, slots: [Range<u32>; 2]) -> Result<ConfigStore, LayoutError> {
         let pairs = Parameters::default().iter().count();
-        Ok(ConfigStore { slots: Slots::new(flash, MAGIC, slots, (pairs + MOST_PAIRS) * PAIR_BYTES)? })
+        Ok(ConfigStore { slots: Slots::new(flash, MAGIC, slots, (pairs + MAX_PAIRS) * PAIR_BYTES)? })
     }
 
     /// Loads the newest whole configuration. What can't be read counts as damaged.
@@ -146,7 +146,7 @@ impl ConfigStore {
 }
 
 /// The fingerprint of parameters: CRC-32 (ISO-HDLC) of their pairs in the order of the table, as they
-/// are stored. Equal on every rung for equal parameters of equal tables.
+/// are stored. Equal on every execution level for equal parameters of equal tables.
 #[must_use]
 pub fn configuration_hash(parameters: &Parameters) -> u32 {
     let mut crc = RecordCrc::new();

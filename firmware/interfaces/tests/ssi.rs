@@ -8,7 +8,7 @@ use embedded_hal_mock::eh1::spi::{Mock, Transaction};
 use failing_bus::FailingBus;
 use pneudrive_interfaces::EncoderCounter;
 use pneudrive_interfaces::chip::ChipError;
-use pneudrive_interfaces::chip::ssi::{Coding, MOST_BITS, SsiEncoder};
+use pneudrive_interfaces::chip::ssi::{Coding, MAX_BITS, SsiEncoder};
 
 fn read(bits: u8, coding: Coding, answer: &[u8]) -> Option<i32> {
     let bus = Mock::new(&[
@@ -45,7 +45,7 @@ fn a_binary_position_comes_most_significant_bit_first() {
 
 #[test]
 fn every_number_of_bits_reads_its_ends() {
-    for bits in 1..=MOST_BITS {
+    for bits in 1..=MAX_BITS {
         let most = (1_u32 << bits) - 1;
         assert_eq!(read(bits, Coding::Binary, &reading(bits, 0)), Some(0), "{bits}");
         assert_eq!(read(bits, Coding::Binary, &reading(bits, most)), Some(most.cast_signed()), "{bits}");
@@ -64,7 +64,7 @@ fn every_position_of_a_gray_encoder_comes_back() {
 
 #[test]
 fn a_line_that_is_stuck_is_an_error_and_no_position() {
-    for bits in 1..=MOST_BITS {
+    for bits in 1..=MAX_BITS {
         let bytes = (usize::from(bits) + 2).div_ceil(8);
         assert_eq!(read(bits, Coding::Binary, &vec![0xff; bytes]), None, "high, {bits} bits");
         assert_eq!(read(bits, Coding::Gray, &vec![0x00; bytes]), None, "low, {bits} bits");
@@ -78,7 +78,7 @@ fn an_encoder_of_more_bits_is_noticed_where_its_next_bit_is_1() {
 
 #[test]
 fn no_encoder_has_no_bits_or_more_than_the_reading_holds() {
-    for bits in [0, MOST_BITS + 1, u8::MAX] {
+    for bits in [0, MAX_BITS + 1, u8::MAX] {
         let mut bus = Mock::new(&[]);
         assert!(SsiEncoder::new(bus.clone(), bits, Coding::Binary).is_none());
         bus.done();

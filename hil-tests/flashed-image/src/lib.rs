@@ -10,7 +10,7 @@
 //! | [`image`] | the ELF file |
 //! | [`line`] | the serial port, as a TCP port |
 //! | [`machine`] | all of that, going on at its pace |
-//! | [`target`] | the rung of the tests |
+//! | [`target`] | the execution level of the tests |
 //! | [`register`], [`time`] | what registers and instants are |
 
 pub mod bench;

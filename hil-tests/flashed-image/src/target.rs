@@ -1,4 +1,4 @@
-//! The flashed image as a rung of the tests.
+//! The flashed image as an execution level of the tests.
 
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;

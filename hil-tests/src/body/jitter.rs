@@ -11,7 +11,7 @@ use super::Start;
 use super::run::{assert_equal_in_every_integer, rig, start_run};
 use crate::Delayed;
 
-/// Starts a rung that can be made late, as [`Start`].
+/// Starts an execution level that can be made late, as [`Start`].
 pub type StartDelayed = fn(&Rig) -> Box<dyn Delayed>;
 
 /// Lateness on either side of the 100 us that are allowed.
@@ -44,7 +44,7 @@ pub fn a_late_sample_trips_by_name(start: StartDelayed) {
 }
 
 /// A host that says nothing more while a move runs trips the drive once it has been silent for as long as is
-/// allowed. For a rung in real time, whose samples may lag behind the wall clock: how long a silence is allowed
+/// allowed. For an execution level in real time, whose samples may lag behind the wall clock: how long a silence is allowed
 /// to the millisecond is tested on a clock of its own (`firmware/app/tests/trips.rs`).
 ///
 /// # Panics

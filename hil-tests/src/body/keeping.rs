@@ -11,11 +11,11 @@ use crate::Supplied;
 #[cfg(unix)]
 use crate::shell::Shell;
 
-/// Starts a rung whose power can be cut, as [`super::Start`].
+/// Starts an execution level whose power can be cut, as [`super::Start`].
 pub type StartSupplied = fn(&Rig) -> Box<dyn Supplied>;
 
 /// Writes and erases of a save are more than this.
-const LEAST_OPERATIONS: u64 = 20;
+const MIN_OPERATIONS: u64 = 20;
 
 /// The parameters with another velocity gain.
 fn with_gain(parameters: &Parameters, gain: i32) -> Parameters {
@@ -53,7 +53,7 @@ pub fn a_power_cut_in_a_save_leaves_the_old_or_the_new(start: StartSupplied) {
         target.power_up().expect("it starts again");
         let found = stored(&mut target.connect().expect("a rig that answers"));
         if saved {
-            assert!(nth > LEAST_OPERATIONS && found == new, "saved: {nth} is no operation of a save");
+            assert!(nth > MIN_OPERATIONS && found == new, "saved: {nth} is no operation of a save");
             break;
         }
         assert!(found == in_force || found == new, "{}: a mixture, cut at {nth}", target.name());

@@ -1,4 +1,4 @@
-//! A run of a rig on a rung, and the comparison of its record with the simulation.
+//! A run of a rig on an execution level, and the comparison of its record with the simulation.
 
 use std::sync::atomic::AtomicBool;
 
@@ -27,7 +27,7 @@ pub fn rig(name: &str, settings: &[&str]) -> Rig {
 /// Downloads, arms, starts and follows the rig's test, and pulls its record.
 ///
 /// # Panics
-/// When the rung does not come to the end of the run.
+/// When the execution level does not come to the end of the run.
 #[must_use]
 pub fn run_and_record(target: &dyn Target, rig: &Rig) -> Record {
     let mut client = target.connect().expect("a rig that answers");
@@ -52,7 +52,7 @@ pub fn start_run(client: &mut Client, rig: &Rig) {
     client.start().expect("armed");
 }
 
-/// The record of the rung is the simulation of the rig.
+/// The record of the execution level is the simulation of the rig.
 ///
 /// # Panics
 /// At the first sample that is different, with both sides.

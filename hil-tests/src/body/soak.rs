@@ -25,8 +25,8 @@ pub struct Soaked {
     pub runs: u32,
     /// Samples, each equal to that of the simulation.
     pub samples: usize,
-    /// Time of the computer on the rung.
-    pub on_rung: Duration,
+    /// Time of the computer on the execution level.
+    pub on_level: Duration,
     /// Time of the computer in the simulations that it is compared with.
     pub in_simulation: Duration,
 }
@@ -85,7 +85,7 @@ fn simulated(rig: &Rig) -> Vec<Observation> {
 /// At the first difference, or when a counter tells of a loss.
 #[must_use]
 pub fn soak(target: &dyn Target, seconds: f64) -> Soaked {
-    let mut soaked = Soaked { runs: 0, samples: 0, on_rung: Duration::ZERO, in_simulation: Duration::ZERO };
+    let mut soaked = Soaked { runs: 0, samples: 0, on_level: Duration::ZERO, in_simulation: Duration::ZERO };
     let mut numbers = Numbers(1);
     while f64::from(soaked.runs) * RUN_S < seconds {
         let rig = moves_of(&mut numbers);
@@ -94,7 +94,7 @@ pub fn soak(target: &dyn Target, seconds: f64) -> Soaked {
         soaked.in_simulation += begun.elapsed();
         let begun = Instant::now();
         let record = run_and_record(target, &rig);
-        soaked.on_rung += begun.elapsed();
+        soaked.on_level += begun.elapsed();
         assert_is_the_simulation(&format!("{}, run {}", target.name(), soaked.runs), &record, &simulated);
         soaked.runs += 1;
         soaked.samples += record.samples.len();

@@ -9,7 +9,7 @@
 //! ```
 //!
 //! The plant lives from the beginning of a run until the drive is disabled, and stands frozen otherwise, as on every
-//! simulated rung.
+//! simulated execution level.
 
 use std::cell::RefCell;
 use std::rc::Rc;

@@ -22,7 +22,7 @@ pub struct Deviation {
     pub largest: f64,
     /// Root of the mean square as a fraction of the reference's range; NaN for a constant channel.
     pub fraction_of_range: f64,
-    /// What of it the neighbours of a simulated run explain; None without them.
+    /// What of it the perturbed runs of a simulated run explain; None without them.
     pub within_band: Option<WithinBand>,
 }
 

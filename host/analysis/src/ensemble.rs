@@ -1,10 +1,10 @@
-//! A run with its neighbours: the same drive with very slightly different mass and starting position.
+//! A run with its perturbed runs: the same drive with very slightly different mass and starting position.
 //!
 //! A closed loop can depend on details that nobody knows of a rig: a hundred-thousandth of the mass may decide whether
-//! a piston sticks here or a count further on. A single run is then one draw of many. Its neighbours show the others,
+//! a piston sticks here or a count further on. A single run is then one draw of many. Its perturbed runs show the others,
 //! and every figure of the run is stated as the range over all of them.
 //!
-//! With a relative change s, the neighbours i = 0, 1, ... lie around the nominal rig,
+//! With a relative change s, the perturbed runs i = 0, 1, ... lie around the nominal rig,
 //!
 //! ```text
 //! mass (1 + s cos a_i),   position + s stroke sin a_i,   a_i = 2 pi (b_i + 1/24)
@@ -13,7 +13,7 @@
 //! with b_i = 0, 1/2, 1/4, 3/4, 1/8, ... , the binary digits of i after the point in reverse order (van der Corput). They
 //! are nearly even for any number of them, and a longer sequence contains the shorter one, so a range only grows with it.
 //!
-//! The nominal run is integrated until it is decided (see [`pneudrive_sim::decision`]); of its neighbours the error is to
+//! The nominal run is integrated until it is converged (see [`pneudrive_sim::convergence`]); of its perturbed runs the error is to
 //! be small beside s, for which a coarser tolerance will do.
 
 use std::f64::consts::TAU;
@@ -22,44 +22,44 @@ use std::sync::Mutex;
 use anyhow::{Context, Result};
 use pneudrive_controller::Fault;
 use pneudrive_records::band::Band;
-use pneudrive_records::judged::{FailedNeighbours, Judged, Spacing};
+use pneudrive_records::judged::{FailedMembers, Judged, Spacing};
 use pneudrive_sim::keys;
 use pneudrive_sim::rig::Problems;
-use pneudrive_sim::{Accuracy, Decision, Rig, Run, decide, run_watched};
+use pneudrive_sim::{Accuracy, Convergence, Rig, Run, check_convergence, run_watched};
 
 use crate::parallel;
 use crate::runners::Runners;
 
-/// A run and what was measured of it and of its neighbours.
+/// A run and what was measured of it and of its perturbed runs.
 #[derive(Clone, Debug)]
 pub struct Ensemble<T> {
     /// The nominal run.
     pub nominal: Judged,
-    /// What was measured of each run, the nominal one first; nothing of a neighbour that has no run.
+    /// What was measured of each run, the nominal one first; nothing of a perturbed run that has no run.
     pub measured: Vec<T>,
 }
 
 /// What one thread does.
 enum Job {
     Nominal,
-    Decision,
-    Neighbour(Rig),
+    Convergence,
+    Member(Rig),
 }
 
 /// What came of it.
 enum Done<T> {
     Measured(T, Option<Fault>),
-    Decided(Decision),
+    Converged(Convergence),
     Failed(String),
 }
 
 /// The rigs around a rig; in the place of one that is not valid, as a value lies at a limit of its key, what is wrong.
 #[must_use]
-pub fn neighbours(rig: &Rig, spacing: Spacing) -> Vec<Result<Rig, Problems>> {
+pub fn members(rig: &Rig, spacing: Spacing) -> Vec<Result<Rig, Problems>> {
     let (mass, position) = (rig.get(&keys::load::MASS_KG), rig.get(&keys::test::POSITION_M));
     let stroke = rig.get(&keys::actuator::STROKE_M);
     let count = spacing.runs.saturating_sub(1);
-    let neighbour = |i: usize| {
+    let member = |i: usize| {
         let angle = TAU * (van_der_corput(i) + 1.0 / 24.0);
         let place = position + spacing.relative * stroke * libm::sin(angle);
         rig.with_numbers(&[
@@ -67,7 +67,7 @@ pub fn neighbours(rig: &Rig, spacing: Spacing) -> Vec<Result<Rig, Problems>> {
             ("test.position_m", place.clamp(0.0, stroke)),
         ])
     };
-    (0..count).map(neighbour).collect()
+    (0..count).map(member).collect()
 }
 
 /// The binary digits of a number behind the point, in the reverse order.
@@ -76,11 +76,11 @@ fn van_der_corput(number: usize) -> f64 {
     f64::from(reversed) / 2f64.powi(32)
 }
 
-/// Runs a rig and its neighbours on all threads of the pool, and measures each. `progress` is given what is done and
+/// Runs a rig and its perturbed runs on all threads of the pool, and measures each. `progress` is given what is done and
 /// what is to do, in samples of one run.
 ///
 /// # Errors
-/// When the rig itself cannot be simulated. Failures of neighbours are in [`Judged::lost`].
+/// When the rig itself cannot be simulated. Failures of perturbed runs are in [`Judged::lost`].
 pub fn run_ensemble<T: Send>(
     rig: &Rig,
     accuracy: Accuracy,
@@ -111,16 +111,18 @@ pub fn run_ensemble_while<T: Send>(
     let band = Mutex::new(Band::of(&nominal));
     let (jobs, failed) = jobs(rig, spacing);
     let runners = Runners::default();
-    let needed = Accuracy::of_neighbour(rig, spacing.relative).tolerance;
-    let of_neighbours = Accuracy { tolerance: needed.max(accuracy.tolerance), ..accuracy };
+    let needed = Accuracy::of_member(rig, spacing.relative).tolerance;
+    let of_members = Accuracy { tolerance: needed.max(accuracy.tolerance), ..accuracy };
     let carry_out = |job: &Job| match job {
         _ if !wanted() => Done::Failed("called off".to_owned()),
         Job::Nominal => Done::Measured(measure(rig, &nominal), None),
-        Job::Decision => Done::Decided(decide(rig, accuracy, &nominal).unwrap_or(Decision::UNKNOWN)),
-        Job::Neighbour(neighbour) => {
-            let measured = runners.run(neighbour, of_neighbours, |one| {
+        Job::Convergence => {
+            Done::Converged(check_convergence(rig, accuracy, &nominal).unwrap_or(Convergence::UNKNOWN))
+        }
+        Job::Member(member) => {
+            let measured = runners.run(member, of_members, |one| {
                 band.lock().expect("no thread panics with it").include(one);
-                Done::Measured(measure(neighbour, one), one.fault.map(|(fault, _)| fault))
+                Done::Measured(measure(member, one), one.fault.map(|(fault, _)| fault))
             });
             measured.unwrap_or_else(|error| Done::Failed(error.to_string()))
         }
@@ -129,18 +131,18 @@ pub fn run_ensemble_while<T: Send>(
     if !wanted() {
         return Ok(None);
     }
-    let Gathered { measured, decision, lost } = Gathered::of(done, failed);
+    let Gathered { measured, convergence, lost } = Gathered::of(done, failed);
     let band = (spacing.runs > 1).then(|| band.into_inner().expect("no thread panics with it"));
-    let nominal = Judged { run: nominal, accuracy, decision, band, spacing, lost, columns: Vec::new() };
+    let nominal = Judged { run: nominal, accuracy, convergence, band, spacing, lost, columns: Vec::new() };
     Ok(Some(Ensemble { nominal, measured }))
 }
 
-/// The jobs for a rig and its neighbours, and why some of the neighbours are not valid rigs.
+/// The jobs for a rig and its perturbed runs, and why some of the perturbed runs are not valid rigs.
 fn jobs(rig: &Rig, spacing: Spacing) -> (Vec<Job>, Vec<String>) {
-    let (mut jobs, mut failed) = (vec![Job::Nominal, Job::Decision], Vec::new());
-    for neighbour in neighbours(rig, spacing) {
-        match neighbour {
-            Ok(neighbour) => jobs.push(Job::Neighbour(neighbour)),
+    let (mut jobs, mut failed) = (vec![Job::Nominal, Job::Convergence], Vec::new());
+    for member in members(rig, spacing) {
+        match member {
+            Ok(member) => jobs.push(Job::Member(member)),
             Err(problems) => failed.push(problems.to_string().replace('\n', "; ")),
         }
     }
@@ -150,23 +152,23 @@ fn jobs(rig: &Rig, spacing: Spacing) -> (Vec<Job>, Vec<String>) {
 /// What came of all jobs.
 struct Gathered<T> {
     measured: Vec<T>,
-    decision: Decision,
-    lost: FailedNeighbours,
+    convergence: Convergence,
+    lost: FailedMembers,
 }
 
 impl<T> Gathered<T> {
-    /// In the order of the jobs; `failed` says why some neighbours are not valid rigs.
+    /// In the order of the jobs; `failed` says why some perturbed runs are not valid rigs.
     fn of(done: Vec<Done<T>>, failed: Vec<String>) -> Gathered<T> {
-        let lost = FailedNeighbours { tripped: Vec::new(), failed };
+        let lost = FailedMembers { tripped: Vec::new(), failed };
         let mut all =
-            Gathered { measured: Vec::with_capacity(done.len()), decision: Decision::UNKNOWN, lost };
+            Gathered { measured: Vec::with_capacity(done.len()), convergence: Convergence::UNKNOWN, lost };
         for one in done {
             match one {
                 Done::Measured(figures, fault) => {
                     all.measured.push(figures);
                     all.lost.tripped.extend(fault);
                 }
-                Done::Decided(found) => all.decision = found,
+                Done::Converged(found) => all.convergence = found,
                 Done::Failed(why) => all.lost.failed.push(why),
             }
         }
@@ -185,10 +187,11 @@ mod tests {
     }
 
     #[test]
-    fn neighbours_lie_around_the_rig_at_the_distance_asked_for_and_more_of_them_are_the_same_and_others() {
+    fn perturbed_runs_lie_around_the_rig_at_the_distance_asked_for_and_more_of_them_are_the_same_and_others()
+    {
         let rigs = |runs| -> Vec<Rig> {
             let spacing = Spacing { runs, relative: 1e-5 };
-            neighbours(&rig(), spacing).into_iter().collect::<Result<_, _>>().expect("valid")
+            members(&rig(), spacing).into_iter().collect::<Result<_, _>>().expect("valid")
         };
         let others = rigs(9);
         assert_eq!(others.len(), 8);
@@ -211,7 +214,7 @@ mod tests {
     }
 
     #[test]
-    fn the_nominal_run_is_the_run_without_its_neighbours_and_its_band_holds_it() {
+    fn the_nominal_run_is_the_run_without_its_perturbed_runs_and_its_band_holds_it() {
         let rig = rig();
         let accuracy = Accuracy::of(&rig);
         let end = |_: &Rig, run: &Run| run.rows.last().expect("rows").plant.position;
@@ -255,12 +258,12 @@ mod tests {
         let spacing = Spacing { runs: 1, ..Spacing::default() };
         let found = run_ensemble(&rig, Accuracy::of(&rig), spacing, |_, _| (), |_, _| {}).expect("a run");
         assert!(found.nominal.band.is_none() && found.measured.len() == 1);
-        assert!(found.nominal.decision.closest_edge.is_some());
+        assert!(found.nominal.convergence.closest_edge.is_some());
     }
 
-    /// At the largest mass that the key takes, heavier neighbours are none.
+    /// At the largest mass that the key takes, heavier perturbed runs are none.
     #[test]
-    fn neighbours_beyond_the_limits_are_told_and_the_run_is_there() {
+    fn perturbed_runs_beyond_the_limits_are_told_and_the_run_is_there() {
         let rig = rig().with_numbers(&[("load.mass_kg", 1e5)]).expect("valid");
         let found = run_ensemble(&rig, Accuracy::of(&rig), Spacing::default(), |_, _| (), |_, _| {});
         let found = found.expect("the rig itself runs");
@@ -271,7 +274,7 @@ mod tests {
 
     /// Without velocity feedback a load of 58 kg swings into its ends, or not, by a few percent of it.
     #[test]
-    fn neighbours_that_trip_are_told_where_the_run_itself_does_not() {
+    fn perturbed_runs_that_trip_are_told_where_the_run_itself_does_not() {
         let text = pneudrive_sim::rig::builtin("servo-b-tuned").expect("a built-in rig");
         let settings = ["controller.velocity_gain=0", "load.mass_kg=58"].map(str::to_owned);
         let rig = Rig::read_with("heavy", text, &settings).unwrap_or_else(|problems| panic!("{problems}"));

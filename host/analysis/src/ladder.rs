@@ -11,7 +11,7 @@ use pneudrive_records::judged::{Judged, Spacing};
 use pneudrive_sim::component::{friction, operator, valve};
 use pneudrive_sim::key::Choice;
 use pneudrive_sim::keys;
-use pneudrive_sim::{Accuracy, Decision, Rig, run};
+use pneudrive_sim::{Accuracy, Convergence, Rig, run};
 
 use crate::deviation::{Deviation, deviations};
 use crate::ensemble::run_ensemble;
@@ -88,13 +88,13 @@ pub struct Rung {
     /// Time of a run over that of the reference, which was run before it each time: of the shortest runs of both, then
     /// the least and the most of a pair.
     pub time_over_reference: [f64; 3],
-    /// What it differs by from the reference: the nominal run first, then each neighbour from the same neighbour of the
+    /// What it differs by from the reference: the nominal run first, then each perturbed run from the same perturbed run of the
     /// reference.
     pub deviations: Vec<Vec<Deviation>>,
     /// The transient.
     pub transient: Transient,
-    /// Whether it is decided.
-    pub decision: Decision,
+    /// Whether it is converged.
+    pub convergence: Convergence,
 }
 
 /// What is run on a rung.
@@ -106,7 +106,7 @@ struct Plan {
 }
 
 /// The rungs of a rig: the reference first, then the file's own models, then each other model of each component, each
-/// with its neighbours. `clock` tells the time since some instant, and `progress` is given the rungs done and all rungs.
+/// with its perturbed runs. `clock` tells the time since some instant, and `progress` is given the rungs done and all rungs.
 ///
 /// # Errors
 /// When a rung cannot be simulated, or `progress` wants no more.
@@ -126,7 +126,7 @@ pub fn climb(
     let references = runs[0].transients.clone();
     let mut rungs: Vec<Rung> =
         plans.iter().zip(runs).map(|(plan, climbed)| climbed.rung(plan, &references)).collect();
-    // What the neighbours alone make of a transient: a difference of a model that is no larger says nothing.
+    // What the perturbed runs alone make of a transient: a difference of a model that is no larger says nothing.
     rungs[0].deviations = references.iter().map(|other| deviations(&references[0], other)).collect();
     Ok(rungs)
 }
@@ -135,7 +135,7 @@ pub fn climb(
 struct Climbed {
     nominal: Judged,
     time_over_reference: [f64; 3],
-    /// The nominal one and its neighbours'.
+    /// The nominal one and its perturbed runs'.
     transients: Vec<Transient>,
 }
 
@@ -151,7 +151,7 @@ impl Climbed {
         let transient = |rig: &Rig, run: &_| Transient::of_simulation(&name, rig, run);
         let ensemble = run_ensemble(&plan.rig, Accuracy::of(&plan.rig), spacing, transient, |_, _| {})?;
         if let Some(why) = ensemble.nominal.lost.failed.first() {
-            bail!("{name}: a neighbour cannot be simulated; write a smaller --change: {why}");
+            bail!("{name}: a perturbed run cannot be simulated; write a smaller --change: {why}");
         }
         Ok(Climbed { nominal: ensemble.nominal, time_over_reference, transients: ensemble.measured })
     }
@@ -167,7 +167,7 @@ impl Climbed {
             flow_iterations: run.work.network.iterations as f64 / samples,
             time_over_reference: self.time_over_reference,
             deviations: pairs.map(|(reference, transient)| deviations(reference, transient)).collect(),
-            decision: self.nominal.decision,
+            convergence: self.nominal.convergence,
             transient: self.transients.swap_remove(0),
         }
     }
@@ -280,7 +280,7 @@ pub fn page(name: &str, rungs: &[Rung]) -> Page {
         title: format!("{name}: the ladder of fidelity"),
         notes: vec![
             "The reference has every model in the most complete form for which the rig file has figures. On each rung one component has another model, with defaults for the keys that the file lacks; its transient is compared with that of the reference. In closed loop the controller reduces a difference of the position; --set controller.loop=open, with moves as commands, shows it without a controller.".to_owned(),
-            "In brackets: the range over neighbours of both, whose mass and starting position differ very slightly. The first row shows how far the neighbours of the reference are from it: a difference of that size says nothing about a model.".to_owned(),
+            "In brackets: the range over perturbed runs of both, whose mass and starting position differ very slightly. The first row shows how far the perturbed runs of the reference are from it: a difference of that size says nothing about a model.".to_owned(),
             format!("Evaluations and iterations are counted and the same on every machine. Times are of the machine that made this page, relative to the reference, which was run beside each rung: the ratio of the shortest of {TIMES} runs of both and, in brackets, the least and the largest ratio of a pair. A wide range means that the machine was busy."),
         ],
         tables: vec![table(rungs)],
@@ -318,7 +318,7 @@ pub fn table(rungs: &[Rung]) -> Table {
         "largest, mm",
         "P1 rms, kPa",
         "P2 rms, kPa",
-        "decided",
+        "converged",
     ];
     let rms = |rung: &Rung, channel: usize, decimals: usize| {
         with_range(&figures(rung, channel, |one| one.mean_square.sqrt()), decimals)
@@ -334,7 +334,7 @@ pub fn table(rungs: &[Rung]) -> Table {
             with_range(&figures(rung, POSITION, |one| one.largest), 4),
             rms(rung, PRESSURES[0], 3),
             rms(rung, PRESSURES[1], 3),
-            if rung.decision.is_decided() { "yes" } else { "no" }.to_owned(),
+            if rung.convergence.is_converged() { "yes" } else { "no" }.to_owned(),
         ]
     };
     Table {
@@ -385,7 +385,7 @@ mod tests {
         let clock = || begun.elapsed();
         let rungs = climb(&source("servo-b-tuned"), &settings, spacing, clock, |_, _| Ok(())).expect("runs");
         assert_eq!(largest(&rungs[0], POSITION), 0.0, "the reference is itself");
-        assert!(rungs[0].deviations.len() == 2 && rungs[0].decision.is_decided());
+        assert!(rungs[0].deviations.len() == 2 && rungs[0].convergence.is_converged());
         let empirical = rungs.iter().find(|rung| rung.component == "operator").expect("a rung");
         assert!(empirical.evaluations < rungs[0].evaluations / 2.0, "{:.1}", empirical.evaluations);
         for rung in rungs[1..].iter() {

@@ -6,7 +6,7 @@
 //! | [`channel`] | a channel by its name, with its unit and its samples |
 //! | [`alignment`] | two transients on one time |
 //! | [`evaluation`] | the figures of a transient's moves |
-//! | [`ensemble`], [`range`] | a run with its neighbours, and figures as ranges over them |
+//! | [`ensemble`], [`range`] | a run with its perturbed runs, and figures as ranges over them |
 //! | [`recorded_test`] | the test that a record was made with, for a simulation of it |
 //! | [`replay`] | a TARGET file's inputs through the controller on the PC, compared with its outputs |
 //! | [`spectrum`] | which frequencies a channel holds |

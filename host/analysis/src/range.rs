@@ -1,6 +1,6 @@
-//! A figure of a run as a range over the run and its neighbours.
+//! A figure of a run as a range over the run and its perturbed runs.
 
-/// A figure over a run and its neighbours.
+/// A figure over a run and its perturbed runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Range {
     /// Of the run itself; None if it does not show it.

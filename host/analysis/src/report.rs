@@ -90,11 +90,11 @@ fn extra_panels(transients: &[Transient]) -> impl Iterator<Item = Panel> {
     })
 }
 
-/// What a simulated run and its neighbours cover.
+/// What a simulated run and its perturbed runs cover.
 fn shade(transient: &Transient, number: usize, channel: usize) -> Option<Shade> {
     let band = transient.band.as_ref()?;
     (!band.low[channel].is_empty()).then(|| Shade {
-        name: format!("{} and its neighbours", transient.name),
+        name: format!("{} and its perturbed runs", transient.name),
         x: transient.time.clone(),
         low: band.low[channel].clone(),
         high: band.high[channel].clone(),

@@ -2,14 +2,14 @@
 //!
 //! Each value that is a default, typical or unknown is set to either end of its range, or 10 % below and above if it has
 //! none, and the rig's test is run. The effect is the largest deviation of the piston from its position with the file's
-//! value, at any sample. It must exceed the deviation of neighbours of the run: a closed loop that is sensitive to tiny
+//! value, at any sample. It must exceed the deviation of members of the ensemble of the run: a closed loop that is sensitive to tiny
 //! changes is so for every value.
 
 use pneudrive_records::judged::Spacing;
 use pneudrive_sim::rig::{Key, Kind, Origin, Problems, Source, Value};
 use pneudrive_sim::{Accuracy, IntegrationError, Rig, Run, run};
 
-use crate::ensemble::neighbours;
+use crate::ensemble::members;
 use crate::parallel;
 
 /// Relative change of a value that has no range.
@@ -37,14 +37,14 @@ pub struct Effect {
 pub struct Sensitivity {
     /// The effects.
     pub effects: Vec<Effect>,
-    /// How far neighbours of the run are from it, m: a smaller effect is not significant.
+    /// How far members of the ensemble of the run are from it, m: a smaller effect is not significant.
     pub floor_m: f64,
 }
 
 /// What is run.
 struct Trial {
     rig: Result<Rig, Problems>,
-    /// Of which effect; None for a neighbour.
+    /// Of which effect; None for a perturbed run.
     effect: Option<usize>,
 }
 
@@ -59,7 +59,7 @@ pub fn sensitivity(
     let nominal = run(rig, Accuracy::of(rig))?;
     let mut effects: Vec<Effect> = open_values(rig);
     let mut trials: Vec<Trial> =
-        neighbours(rig, Spacing::default()).into_iter().map(|rig| Trial { rig, effect: None }).collect();
+        members(rig, Spacing::default()).into_iter().map(|rig| Trial { rig, effect: None }).collect();
     for (i, effect) in effects.iter().enumerate() {
         let changed = effect.ends.map(|end| rig.with_numbers(&[(effect.key.path, end)]));
         trials.extend(changed.map(|rig| Trial { rig, effect: Some(i) }));

@@ -63,7 +63,7 @@ pub struct Sweep {
     pub settled_mm: f64,
     /// What varies, in the order of the file.
     pub axes: Vec<Axis>,
-    /// Number of runs of a point: the rig itself, and neighbours that differ very slightly.
+    /// Number of runs of a point: the rig itself, and perturbed runs that differ very slightly.
     pub ensemble: usize,
     /// How many draws of the distributions each combination is run with; 1 without distributions.
     pub draws: usize,
@@ -113,14 +113,14 @@ impl Sweep {
     }
 
     /// The columns between those of the axes and the last two: the metrics; of an ensemble the ends of their ranges;
-    /// and whether a point is decided, if it is no draw.
+    /// and whether a point is converged, if it is no draw.
     #[must_use]
     pub fn figure_columns(&self) -> Vec<String> {
         let own = self.metrics.iter().map(|metric| metric.name.clone());
         let ends = self.metrics.iter().filter(|_| self.ensemble > 1);
         let ends = ends.flat_map(|metric| ENDS.map(|end| format!("{}{end}", metric.name)));
-        let decided = (!self.is_drawn()).then(|| DECIDED.to_owned());
-        own.chain(ends).chain(decided).collect()
+        let converged = (!self.is_drawn()).then(|| CONVERGED.to_owned());
+        own.chain(ends).chain(converged).collect()
     }
 
     /// First line of the result: `point`, the axes, the figures, `fault`, `failure`.
@@ -131,7 +131,7 @@ impl Sweep {
         names.fold(String::from("point"), |line, name| line + "," + &name) + HEADER_END
     }
 
-    /// How exactly a rig is simulated: until it is decided, but for draws, which need not be.
+    /// How exactly a rig is simulated: until it is converged, but for draws, which need not be.
     fn accuracy_for(&self, rig: &Rig) -> Accuracy {
         let usual = if self.is_drawn() { Accuracy::of_draw(rig) } else { Accuracy::of(rig) };
         Accuracy { tolerance: self.tolerance.unwrap_or(usual.tolerance), ..usual }
@@ -160,8 +160,8 @@ impl Sweep {
     }
 }
 
-/// The column that says whether a point is decided.
-const DECIDED: &str = "decided";
+/// The column that says whether a point is converged.
+const CONVERGED: &str = "converged";
 
 /// What the columns of the ends of a metric's range have behind its name.
 const ENDS: [&str; 2] = ["_least", "_most"];

@@ -76,7 +76,7 @@ pub struct Transient {
     pub extras: Vec<(&'static Extra, Vec<f64>)>,
     /// Times before and after each place where samples are missing, s.
     pub gaps: Vec<[f64; 2]>,
-    /// What a simulated run and its neighbours cover, if it has some.
+    /// What a simulated run and its perturbed runs cover, if it has some.
     pub band: Option<ChannelBand>,
     /// What a part of a longer transient has lost of its moves; nothing of a whole one.
     pub cut: Cut,
@@ -304,13 +304,13 @@ impl Transient {
         self.time.iter_mut().chain(self.gaps.as_flattened_mut()).for_each(|time| *time += by);
     }
 
-    /// A channel at `time`, on the straight line between its neighbours; None outside the transient.
+    /// A channel at `time`, on the straight line between its perturbed runs; None outside the transient.
     #[must_use]
     pub fn at(&self, channel: usize, time: f64) -> Option<f64> {
         self.interpolated(&self.channels[channel], time)
     }
 
-    /// Lowest and highest value of a channel at `time` over a run and its neighbours; None without a band.
+    /// Lowest and highest value of a channel at `time` over a run and its perturbed runs; None without a band.
     #[must_use]
     pub fn band_at(&self, channel: usize, time: f64) -> Option<[f64; 2]> {
         let band = self.band.as_ref()?;

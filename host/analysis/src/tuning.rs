@@ -3,7 +3,7 @@
 //! ```text
 //! genes in [0, 1] -> gains, windows, dither, null -> runs of the step on draws from the spread -> mean cost
 //!        ^______________________ differential evolution _______________________________________________|
-//! the best few -> neighbours of the file's rig -> the one with the least cost -> fresh draws -> how often it meets the goal
+//! the best few -> perturbed runs of the file's rig -> the one with the least cost -> fresh draws -> how often it meets the goal
 //! ```
 //!
 //! | module | holds |
@@ -88,7 +88,7 @@ impl Task {
     pub fn max_runs(&self) -> Result<usize> {
         let drive = Drive::of(self, &[], Wanted::ALWAYS)?;
         let each = spread::tuned_on(&self.spread, self.budget.seed).len();
-        let finalists = (FINALISTS + 1) * (each + trial::NEIGHBOURS);
+        let finalists = (FINALISTS + 1) * (each + trial::MEMBERS);
         let of_suspect = limiting_imperfection::budget(&self.budget).runs(each) + each + self.draws;
         let suspects = match self.budget.generations {
             0 => 0,
@@ -107,17 +107,17 @@ pub struct Found {
     pub places: Vec<Optimum>,
     /// On what they were tuned on.
     pub tuned_on: Vec<Performance>,
-    /// On the rig of the file and its neighbours; none where that was not looked at.
-    pub neighbours: Vec<Performance>,
+    /// On the rig of the file and its perturbed runs; none where that was not looked at.
+    pub members: Vec<Performance>,
     /// On the fresh draws.
     pub fresh: Vec<Performance>,
 }
 
 impl Found {
-    /// Mean cost of what they were tuned on, and of the worst of the neighbours of the file's rig.
+    /// Mean cost of what they were tuned on, and of the worst of the perturbed runs of the file's rig.
     #[must_use]
     pub fn cost(&self, goal: &Goal) -> f64 {
-        let worst = self.neighbours.iter().map(|one| one.cost(goal)).reduce(f64::max);
+        let worst = self.members.iter().map(|one| one.cost(goal)).reduce(f64::max);
         let all = self.tuned_on.iter().map(|one| one.cost(goal)).chain(worst);
         all.sum::<f64>() / (self.tuned_on.len() + usize::from(worst.is_some())) as f64
     }
@@ -156,7 +156,7 @@ impl Tuned {
     }
 }
 
-/// So many of the last generation are checked with the neighbours of the file's rig.
+/// So many of the last generation are checked with the perturbed runs of the file's rig.
 const FINALISTS: usize = 3;
 
 /// Looks for gains, and tells `progress` how far it is.
@@ -193,7 +193,7 @@ fn tuned(task: &Task, mut progress: impl FnMut(Progress) + Send, wanted: Wanted<
     let finalists = &outcome.population[..outcome.population.len().min(FINALISTS)];
     let finalists: Vec<Option<&[f64]>> =
         std::iter::once(None).chain(finalists.iter().map(|shares| Some(shares.as_slice()))).collect();
-    meter.begin(Stage::Finalists, finalists.len() * (tuned_on.len() + trial::NEIGHBOURS));
+    meter.begin(Stage::Finalists, finalists.len() * (tuned_on.len() + trial::MEMBERS));
     let mut finalists: Vec<Found> =
         finalists.iter().map(|shares| drive.finalist(*shares, &tuned_on, &mut meter)).collect();
     let best = (0..finalists.len())

@@ -58,7 +58,7 @@ async fn file(State(folder): State<PathBuf>, Path(name): Path<String>) -> impl I
 
 fn page() -> Browser {
     let mut page = Browser::open(&address(), [1440, 900]);
-    page.wait_until("window.studio?.simulation.isAtRest && document.querySelector('.verdict.decided, .verdict.undecided')");
+    page.wait_until("window.studio?.simulation.isAtRest && document.querySelector('.verdict.converged, .verdict.unconverged')");
     page
 }
 
@@ -87,7 +87,7 @@ fn every_built_in_rig_runs_to_the_bits_of_the_native_program() {
     assert_eq!(page.complaints, Vec::<String>::new());
 }
 
-/// What the page shows is what the native program answers, byte for byte: values, ranges, decision, deviations.
+/// What the page shows is what the native program answers, byte for byte: values, ranges, convergence, deviations.
 #[test]
 fn every_answer_is_that_of_the_native_program() {
     let mut page = page();
@@ -96,7 +96,7 @@ fn every_answer_is_that_of_the_native_program() {
     let rig = json!({ "name": "servo-b-tuned", "text": text, "settings": ["load.mass=2500 g", "test.duration_s=0.5"] });
     let mut compared = rig.clone();
     compared["record"] = json!({ "name": "TARGET01.DAT", "text": RECORD });
-    for (request, body) in [("check", &rig), ("neighbours", &rig), ("compare", &compared)] {
+    for (request, body) in [("check", &rig), ("ensemble", &rig), ("compare", &compared)] {
         let native = match answer(request, body, &|| true).expect(request) {
             Answer::Json(value) => value.to_string().into_bytes(),
             Answer::Columns(bytes) => bytes,
@@ -157,7 +157,7 @@ fn a_value_is_changed_and_the_run_its_band_and_its_figures_follow() {
          slider.value = slider.max; slider.dispatchEvent(new Event('input')); slider.dispatchEvent(new Event('change')); })()",
     );
     page.wait_until("document.querySelectorAll('#runs .ghost').length === 1 && studio.simulation.isAtRest");
-    page.wait_until("document.querySelector('.verdict.decided, .verdict.undecided')");
+    page.wait_until("document.querySelector('.verdict.converged, .verdict.unconverged')");
     let command = page.evaluate("document.getElementById('command').value");
     assert!(command.as_str().is_some_and(|line| line.contains("--set load.mass")), "{command}");
     assert_eq!(page.complaints, Vec::<String>::new());

@@ -43,7 +43,7 @@ pub use report::{Check, Report, Verdict};
 pub const PUSH_WAIT_S: [u16; 2] = [0, 600];
 
 /// What may be allowed as the largest command, percent: the least and the most.
-pub const MOST_PERCENT: [u8; 2] = [3, 50];
+pub const MAX_PERCENT: [u8; 2] = [3, 50];
 
 /// What the bring-up may do.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -19,7 +19,7 @@ pub enum Answer {
 }
 
 /// Requests that bring a rig, and need nothing but their own answer: no server, no file.
-pub const REQUESTS: [&str; 7] = ["check", "run", "neighbours", "compare", "spectrum", "difference", "plan"];
+pub const REQUESTS: [&str; 7] = ["check", "run", "ensemble", "compare", "spectrum", "difference", "plan"];
 
 /// Answers a request: `keys`, `choices`, `rig`, `written`, or one of [`REQUESTS`]. Long work is given up when it is `wanted` no more.
 ///
@@ -34,7 +34,7 @@ pub fn answer(request: &str, body: &Value, wanted: &(dyn Fn() -> bool + Sync)) -
         "written" => written(body),
         "check" => Ok(Answer::Json(check::answer(&read(body)?))),
         "run" => simulation::nominal(&read(body)?).map(Answer::Columns),
-        "neighbours" => simulation::neighbours(&read(body)?, wanted).map(Answer::Columns),
+        "ensemble" => simulation::members(&read(body)?, wanted).map(Answer::Columns),
         "compare" => compare::answer(&read(body)?).map(Answer::Columns),
         "spectrum" => spectrum::answer(&read(body)?).map(Answer::Columns),
         "difference" => difference::answer(&read(body)?).map(Answer::Json),
@@ -73,10 +73,10 @@ mod tests {
     }
 
     #[test]
-    fn neighbours_that_nobody_waits_for_are_given_up() {
+    fn perturbed_runs_that_nobody_waits_for_are_given_up() {
         let (name, text) = pneudrive_sim::rig::BUILTIN[0];
         let body = json!({ "name": name, "text": text, "settings": ["test.duration_s=0.2"] });
-        let refusal = answer("neighbours", &body, &|| false).expect_err("given up");
+        let refusal = answer("ensemble", &body, &|| false).expect_err("given up");
         assert_eq!(refusal.status, StatusCode::GONE);
     }
 }

@@ -15,7 +15,7 @@
 //! | [`asked`], [`refusal`] | what a request brings, and how it is refused |
 //! | [`keys`], [`check`] | the table of keys, and a rig held against it: those of `rig explain` and `rig check` |
 //! | [`rigs`] | the rigs that come with the program, and the text of one that is saved |
-//! | [`simulation`], [`columns`] | a run, its neighbours, and their numbers as bytes: those of `simulate` |
+//! | [`simulation`], [`columns`] | a run, its perturbed runs, and their numbers as bytes: those of `simulate` |
 //! | [`compare`] | a record laid over the run of the page: `overlay` |
 //! | [`spectrum`] | which frequencies a channel of the run or of the record holds: `spectrum` |
 //! | [`difference`] | the rig of the page and another, key by key: `rig diff` |

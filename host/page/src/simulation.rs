@@ -1,4 +1,4 @@
-//! A rig simulated while one drags a slider: first the run alone, then the run with its neighbours.
+//! A rig simulated while one drags a slider: first the run alone, then the run with its perturbed runs.
 
 use http::StatusCode;
 use pneudrive_analysis::ensemble::{Ensemble, run_ensemble_while};
@@ -18,7 +18,7 @@ use crate::columns::{Column, Columns};
 use crate::refusal::Refusal;
 
 /// The longest run that is made while a page waits, samples: a second or two.
-pub const MOST_SAMPLES: u32 = 200_000;
+pub const MAX_SAMPLES: u32 = 200_000;
 
 /// What a page draws: its name, its unit, the column of trace.csv that it is made of, and the factor between them; 0 for the
 /// length of a count, mm.
@@ -58,11 +58,11 @@ pub fn nominal(asked: &Asked) -> Result<Vec<u8>, Refusal> {
     Ok(curves(&rig, &run).to_bytes(head))
 }
 
-/// The run with its neighbours: what they cover, and whether the run is decided. Given up when it is `wanted` no more.
+/// The run with its perturbed runs: what they cover, and whether the run is converged. Given up when it is `wanted` no more.
 ///
 /// # Errors
 /// As [`nominal`].
-pub fn neighbours(asked: &Asked, wanted: &(dyn Fn() -> bool + Sync)) -> Result<Vec<u8>, Refusal> {
+pub fn members(asked: &Asked, wanted: &(dyn Fn() -> bool + Sync)) -> Result<Vec<u8>, Refusal> {
     let rig = rig_of(asked)?;
     let (accuracy, spacing) = (Accuracy::of(&rig), Spacing::default());
     let measure = |rig: &Rig, run: &Run| moves_of_run(rig, run, TOLERANCE_MM);
@@ -74,9 +74,9 @@ pub fn neighbours(asked: &Asked, wanted: &(dyn Fn() -> bool + Sync)) -> Result<V
 /// The rig of a page, if it can be simulated while one waits.
 pub(crate) fn rig_of(asked: &Asked) -> Result<Rig, Refusal> {
     let rig = asked.rig()?;
-    if rig.last_sample() > MOST_SAMPLES {
+    if rig.last_sample() > MAX_SAMPLES {
         let message = format!(
-            "test.duration_s: the test has {} samples, and the studio simulates {MOST_SAMPLES} at most; `pneudrive simulate` takes longer ones",
+            "test.duration_s: the test has {} samples, and the studio simulates {MAX_SAMPLES} at most; `pneudrive simulate` takes longer ones",
             rig.last_sample()
         );
         return Err(Refusal::new(StatusCode::UNPROCESSABLE_ENTITY, message));
@@ -120,12 +120,12 @@ pub(crate) fn to_json(table: &Table) -> Value {
     json!({ "heading": table.heading, "columns": table.columns, "rows": table.rows })
 }
 
-/// What a run and its neighbours cover, and what its figures rest on.
+/// What a run and its perturbed runs cover, and what its figures rest on.
 fn band(rig: &Rig, ensemble: &Ensemble<Vec<Move>>) -> Vec<u8> {
     let judged = &ensemble.nominal;
     let head = json!({
         "notes": words::run(rig, judged),
-        "decided": judged.decision.is_decided(),
+        "converged": judged.convergence.is_converged(),
         "figures": to_json(&table(&ensemble.measured, TOLERANCE_MM)),
         "remarks": remarks(&ensemble.measured),
     });

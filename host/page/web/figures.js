@@ -2,17 +2,17 @@
 
 import { html } from './svg.js';
 
-/** Shows figures that rest on one run, while its neighbours are computed. */
+/** Shows figures that rest on one run, while its members are computed. */
 export function showAlone(element, { figures, fault }) {
-  element.replaceChildren(verdict('pending', 'One run', 'its neighbours are being computed'), ...tripped(fault), tableOf(figures, true));
+  element.replaceChildren(verdict('pending', 'One run', 'its perturbed runs are being computed'), ...tripped(fault), tableOf(figures, true));
 }
 
-/** Shows figures with their ranges over the run and its neighbours, and whether the run is decided. */
-export function showJudged(element, { figures, notes, decided, remarks }, fault) {
-  const [, decision, ...others] = notes;
-  const [word, why] = split(decision);
+/** Shows figures with their ranges over the run and its members, and whether the run is converged. */
+export function showJudged(element, { figures, notes, converged, remarks }, fault) {
+  const [, convergence, ...others] = notes;
+  const [word, why] = split(convergence);
   const sentences = [...others.map((note) => `${note}.`), ...remarks].map((text) => html('p', { class: 'remark' }, text));
-  element.replaceChildren(verdict(decided ? 'decided' : 'undecided', word, why), ...tripped(fault), tableOf(figures, false), ...sentences);
+  element.replaceChildren(verdict(converged ? 'converged' : 'unconverged', word, why), ...tripped(fault), tableOf(figures, false), ...sentences);
 }
 
 /** Shows how far the simulation is from the records that lie over it, below the figures of the moves. */
@@ -25,9 +25,9 @@ export function showDeviations(element, tables) {
   }
 }
 
-function split(decision) {
-  const at = decision.indexOf(': ');
-  return at < 0 ? [decision, ''] : [decision.slice(0, at), decision.slice(at + 2)];
+function split(convergence) {
+  const at = convergence.indexOf(': ');
+  return at < 0 ? [convergence, ''] : [convergence.slice(0, at), convergence.slice(at + 2)];
 }
 
 function verdict(kind, word, why) {
@@ -36,7 +36,7 @@ function verdict(kind, word, why) {
 
 function tripped(fault) {
   if (!fault) return [];
-  return [html('p', { class: 'verdict undecided' }, html('strong', {}, `tripped at ${fault.at_s.toFixed(4)} s: ${fault.name}`), ` ${fault.meaning}`)];
+  return [html('p', { class: 'verdict unconverged' }, html('strong', {}, `tripped at ${fault.at_s.toFixed(4)} s: ${fault.name}`), ` ${fault.meaning}`)];
 }
 
 /** A table as the answers have it. */

@@ -156,7 +156,7 @@ function byPixel(time, lows, highs, first, end, x, take) {
   give();
 }
 
-/** The area that a run and its neighbours cover. */
+/** The area that a run and its members cover. */
 function fillBand(context, time, { low, high }, x, y, view, colour) {
   const [first, end] = inView(time, view);
   const upper = [];

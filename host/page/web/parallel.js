@@ -36,7 +36,7 @@ export function parallelOf({ rows, best }) {
   const none = hasGaps ? [svg('text', { x: MARGIN - 14, y: BOTTOM + NONE + 4, 'text-anchor': 'end' }, 'no value')] : [];
   select();
   const thick = bestOne.length ? '; the thick one is the best' : '';
-  const dashed = places.some(isDoubtful) ? '; dashed: not decided, tripped, failed, or breaks a constraint' : '';
+  const dashed = places.some(isDoubtful) ? '; dashed: not converged, tripped, failed, or breaks a constraint' : '';
   return html('figure', { class: 'parallel' }, html('figcaption', {}, `Each line is a point${thick}${dashed}`),
     svg('svg', { viewBox: `0 0 ${WIDTH} ${BOTTOM + NONE + TOP / 4}`, role: 'group', 'aria-label': 'Points over parallel axes' },
       all, others, selected, doubted, ...bestOne, ...names, ...none, ...axes.map(({ element }) => element)),
@@ -44,12 +44,12 @@ export function parallelOf({ rows, best }) {
 }
 
 /** Why the figures of a point are not to be taken as they are. */
-function remarksOn({ decided, fault, failure, allowed }) {
+function remarksOn({ converged, fault, failure, allowed }) {
   const isWhole = !fault && !failure;
-  return [fault, failure, decided === false && 'not decided', isWhole && allowed === false && 'breaks a constraint'].filter(Boolean);
+  return [fault, failure, converged === false && 'not converged', isWhole && allowed === false && 'breaks a constraint'].filter(Boolean);
 }
 
-/** Which points are selected; of a single one its values, with their ranges over the rig and its neighbours. */
+/** Which points are selected; of a single one its values, with their ranges over the rig and its members. */
 function wordsOf(chosen, rows) {
   if (chosen.length !== 1) return `${chosen.length} of ${rows.length} points selected`;
   const row = rows[chosen[0]];

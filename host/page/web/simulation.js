@@ -1,5 +1,5 @@
 // The run that follows a slider: one request at a time, and only for the newest change; then what is wrong with it, and its
-// neighbours.
+// perturbed runs.
 
 import { Refused, post, postForColumns } from './server.js';
 
@@ -35,52 +35,52 @@ class Newest {
   }
 }
 
-/** A pause of this length ends a movement of a slider, ms: only then are the neighbours worth their time. */
+/** A pause of this length ends a movement of a slider, ms: only then are the members worth their time. */
 const PAUSE = 60;
 
 /** While a slider moves, the fields beside the curves are brought up to date no more often than this, ms. */
 const FIELDS = 250;
 
-/** Tells `told` of the run, the check and the neighbours of the newest rig that it was given. */
+/** Tells `told` of the run, the check and the members of the newest rig that it was given. */
 export class Simulation {
   #told;
   #checks = new Newest((asked) => this.#check(asked));
   #runs = new Newest((asked, isNewest) => this.#run(asked, isNewest));
-  #neighbours = new AbortController();
+  #ensemble = new AbortController();
   #pause = 0;
-  #areNeighboursDue = false;
+  #isEnsembleDue = false;
   #checked = 0;
   /** Counts the rigs that were given up. */
   #given = 0;
 
-  /** `told` has the functions `check`, `run`, `neighbours` and `failed`. */
+  /** `told` has the functions `check`, `run`, `members` and `failed`. */
   constructor(told) {
     this.#told = told;
   }
 
   /** Whether everything that was asked for has been told. */
   get isAtRest() {
-    return !(this.#checks.isBusy || this.#runs.isBusy || this.#areNeighboursDue);
+    return !(this.#checks.isBusy || this.#runs.isBusy || this.#isEnsembleDue);
   }
 
   /** `since` is when the change was made, as `performance.now()` has it. */
   ask(rig, since = performance.now()) {
-    this.#leaveNeighbours();
+    this.#leaveEnsemble();
     this.#runs.ask({ rig, since, given: this.#given });
   }
 
   /** There is another rig: nothing that was asked for before is told any more. */
   giveUp() {
-    this.#leaveNeighbours();
+    this.#leaveEnsemble();
     this.#given += 1;
     this.#runs.forget();
     this.#checks.forget();
   }
 
-  #leaveNeighbours() {
+  #leaveEnsemble() {
     clearTimeout(this.#pause);
-    this.#neighbours.abort();
-    this.#areNeighboursDue = false;
+    this.#ensemble.abort();
+    this.#isEnsembleDue = false;
   }
 
   async #check({ rig, given }) {
@@ -101,8 +101,8 @@ export class Simulation {
       if (given !== this.#given) return;
       this.#told.run(run, rig, since);
       if (isNewest()) {
-        this.#areNeighboursDue = true;
-        this.#pause = setTimeout(() => this.#askNeighbours(rig), PAUSE);
+        this.#isEnsembleDue = true;
+        this.#pause = setTimeout(() => this.#askEnsemble(rig), PAUSE);
       }
     } catch (error) {
       if (given !== this.#given) return;
@@ -116,16 +116,16 @@ export class Simulation {
     this.#checks.ask(asked);
   }
 
-  async #askNeighbours(rig) {
-    this.#neighbours = new AbortController();
-    const { signal } = this.#neighbours;
+  async #askEnsemble(rig) {
+    this.#ensemble = new AbortController();
+    const { signal } = this.#ensemble;
     try {
-      const band = await postForColumns('/api/neighbours', rig, signal);
-      if (!signal.aborted) this.#told.neighbours(band);
+      const band = await postForColumns('/api/ensemble', rig, signal);
+      if (!signal.aborted) this.#told.ensemble(band);
     } catch (error) {
       if (!signal.aborted) this.#told.failed(error);
     } finally {
-      if (!signal.aborted) this.#areNeighboursDue = false;
+      if (!signal.aborted) this.#isEnsembleDue = false;
     }
   }
 }

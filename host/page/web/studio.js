@@ -31,7 +31,7 @@ const part = (id) => document.getElementById(id);
 const stateLine = new StateLine(part('state'));
 
 /** Ghosts that stay: more of them are no picture any more. */
-const MOST_GHOSTS = 6;
+const MAX_GHOSTS = 6;
 
 class Studio {
   #keys;
@@ -61,7 +61,7 @@ class Studio {
     this.simulation = new Simulation({
       check: (found) => this.#checked(found),
       run: (result, rig, since) => this.#simulated(result, rig, since),
-      neighbours: (result) => this.#judged(result),
+      ensemble: (result) => this.#judged(result),
       failed: (error) => this.#failed(error),
     });
     this.commission = new Commission(part('commission'), { post, lines }, {
@@ -160,7 +160,7 @@ class Studio {
 
   /** The run before a change stays as a ghost, once the change is done. */
   #leaveGhost() {
-    if (this.#kept) this.#ghosts = [...this.#ghosts, { ...this.#kept, band: undefined, isGhost: true }].slice(-MOST_GHOSTS);
+    if (this.#kept) this.#ghosts = [...this.#ghosts, { ...this.#kept, band: undefined, isGhost: true }].slice(-MAX_GHOSTS);
     this.#kept = null;
     this.#show();
   }

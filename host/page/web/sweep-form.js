@@ -32,7 +32,7 @@ export class SweepForm {
     more.addEventListener('click', () => this.#add());
     this.element = html('div', {}, html('h3', {}, 'What varies'), this.#list, html('p', {}, more),
       html('h3', {}, 'What is collected of the moves'), html('div', { class: 'choices' }, ...this.#figures.map(({ element }) => element)),
-      ...labelled('sweep-best', 'The best point', this.#aim), ...labelled('sweep-runs', 'Runs of each point', this.#runs, 'the rig and its neighbours'));
+      ...labelled('sweep-best', 'The best point', this.#aim), ...labelled('sweep-runs', 'Runs of each point', this.#runs, 'the rig and its perturbed runs'));
     this.element.addEventListener('input', () => told.changed());
   }
 

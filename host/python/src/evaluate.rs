@@ -29,7 +29,7 @@ fn part(transient: &Transient, within: [Option<f64>; 2]) -> anyhow::Result<Trans
     }
 }
 
-/// Evaluates the moves of a run, a record or a file. The neighbours of a run are run again, so that every figure has
+/// Evaluates the moves of a run, a record or a file. The members of the ensemble of a run are run again, so that every figure has
 /// its range.
 #[pyfunction]
 #[pyo3(signature = (transient, /, *, rig=None, tolerance_mm=TOLERANCE_MM, from_s=None, to_s=None, progress=None))]

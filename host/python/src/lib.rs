@@ -49,7 +49,7 @@ mod _pneudrive {
     #[pymodule_export]
     use super::rig::{Rig, builtin_rigs, explain, keys};
     #[pymodule_export]
-    use super::run::{Decided, Run, Trip};
+    use super::run::{Converged, Run, Trip};
     #[pymodule_export]
     use super::stream::Stream;
     #[pymodule_export]

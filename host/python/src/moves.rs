@@ -13,7 +13,7 @@ use crate::values;
 pub struct Figure {
     /// Of the run or the record itself; None if it does not show it.
     value: Option<f64>,
-    /// The least over the run and its neighbours; None without neighbours.
+    /// The least over the run and its perturbed runs; None without perturbed runs.
     least: Option<f64>,
     /// The most over them.
     most: Option<f64>,
@@ -59,11 +59,11 @@ impl Move {
     fn figure(&self, name: &str) -> Option<Figure> {
         let figure = &self.figures[name];
         let number = |name: &str| figure[name].as_f64();
-        let of_neighbours = |name: &str| number(name).filter(|_| self.runs > 1);
+        let of_members = |name: &str| number(name).filter(|_| self.runs > 1);
         Some(Figure {
             value: number("value"),
-            least: of_neighbours("least"),
-            most: of_neighbours("most"),
+            least: of_members("least"),
+            most: of_members("most"),
             runs_without: figure.get("runs_without")?.as_u64()?,
             runs: self.runs,
         })
@@ -122,7 +122,7 @@ impl Move {
     }
 }
 
-/// The moves of a run and its neighbours, the run's own first.
+/// The moves of a run and its perturbed runs, the run's own first.
 pub fn of_runs(runs: &[Vec<evaluation::Move>]) -> Vec<Move> {
     let Json::Array(moves) = evaluation::to_json(runs) else { return Vec::new() };
     let own = runs.first().into_iter().flatten().map(|one| one.number);
@@ -137,7 +137,7 @@ pub struct Evaluation {
     moves: Vec<Py<Move>>,
     /// What else there is to say of them.
     remarks: Vec<String>,
-    /// How many runs the figures rest on: the run and its neighbours, or 1.
+    /// How many runs the figures rest on: the run and its perturbed runs, or 1.
     runs: usize,
     /// The figures as a table of text.
     text: String,
@@ -159,7 +159,7 @@ impl Evaluation {
 }
 
 impl Evaluation {
-    /// Of the moves of a run and its neighbours.
+    /// Of the moves of a run and its perturbed runs.
     pub fn of(py: Python<'_>, runs: &[Vec<evaluation::Move>], tolerance_mm: f64) -> PyResult<Evaluation> {
         let table = table(runs, tolerance_mm);
         Ok(Evaluation {

@@ -30,9 +30,9 @@ pub struct Deviation {
     largest: f64,
     /// Root of the mean square as a fraction of the reference's range; NaN for a constant channel.
     fraction_of_range: f64,
-    /// Fraction of the samples that lie in the band of a run and its neighbours; None without neighbours.
+    /// Fraction of the samples that lie in the band of a run and its perturbed runs; None without perturbed runs.
     inside_band: Option<f64>,
-    /// Root of the mean square of the distance to that band, 0 inside; None without neighbours.
+    /// Root of the mean square of the distance to that band, 0 inside; None without perturbed runs.
     rms_beyond_band: Option<f64>,
 }
 

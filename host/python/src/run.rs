@@ -10,12 +10,12 @@ use pneudrive_analysis::page::{Library, Page};
 use pneudrive_analysis::{report, transient};
 use pneudrive_controller::Observation;
 use pneudrive_records::band::CHANNELS;
-use pneudrive_records::judged::{FailedNeighbours, Judged, Spacing};
+use pneudrive_records::judged::{FailedMembers, Judged, Spacing};
 use pneudrive_records::run_folder::{self, Existing, Numbered, StoredRun};
 use pneudrive_records::units::lacks_pressures;
 use pneudrive_records::words;
 use pneudrive_sim::trace::{EXTRAS, Extra};
-use pneudrive_sim::{Accuracy, Decision, Recording, run_recorded};
+use pneudrive_sim::{Accuracy, Convergence, Recording, run_recorded};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -31,7 +31,7 @@ use crate::{progress, work};
 pub struct Run {
     rig: Rig,
     judged: Arc<Judged>,
-    /// Whether it was asked if the run is decided.
+    /// Whether it was asked if the run is converged.
     is_judged: bool,
     moves: OnceLock<Vec<Vec<Measured>>>,
 }
@@ -61,7 +61,7 @@ impl Run {
         }
         vec![
             words::summary(&self.rig.rig, &self.judged.run),
-            "one run, and nobody asked whether it is decided: its integration error may have changed an encoder count"
+            "one run, and nobody asked whether it is converged: its integration error may have changed an encoder count"
                 .to_owned(),
         ]
     }
@@ -77,27 +77,37 @@ impl Run {
 struct Plan {
     accuracy: Accuracy,
     spacing: Spacing,
-    decide: bool,
+    check_convergence: bool,
     columns: Vec<&'static Extra>,
 }
 
 impl Plan {
-    /// A run with `ensemble` - 1 neighbours, and these columns of the air inside the valve.
+    /// A run with `ensemble` - 1 perturbed runs, and these columns of the air inside the valve.
     ///
     /// # Errors
     /// `ValueError` of a number or a column that there is not.
-    fn new(accuracy: Accuracy, ensemble: usize, decide: bool, columns: &[String]) -> PyResult<Plan> {
+    fn new(
+        accuracy: Accuracy,
+        ensemble: usize,
+        check_convergence: bool,
+        columns: &[String],
+    ) -> PyResult<Plan> {
         if !(1..=1000).contains(&ensemble) {
             return Err(PyValueError::new_err(format!(
                 "ensemble must be between 1 and 1000 runs, is {ensemble}"
             )));
         }
         let spacing = Spacing { runs: ensemble, ..Spacing::default() };
-        Ok(Plan { accuracy, spacing, decide: decide || ensemble > 1, columns: columns_named(columns)? })
+        Ok(Plan {
+            accuracy,
+            spacing,
+            check_convergence: check_convergence || ensemble > 1,
+            columns: columns_named(columns)?,
+        })
     }
 
     fn is_alone(&self) -> bool {
-        self.spacing.runs == 1 && !self.decide
+        self.spacing.runs == 1 && !self.check_convergence
     }
 
     fn recording(&self) -> Recording {
@@ -109,12 +119,12 @@ impl Plan {
 fn alone(rig: &pneudrive_sim::Rig, plan: Plan, tell: &mut dyn FnMut(u64, u64)) -> Result<Judged> {
     let Plan { accuracy, spacing, .. } = plan;
     let run = run_recorded(rig, accuracy, plan.recording(), |done, all| tell(done.into(), all.into()))?;
-    let (decision, band, lost) = (Decision::UNKNOWN, None, FailedNeighbours::default());
-    Ok(Judged { run, accuracy, decision, band, spacing, lost, columns: plan.columns })
+    let (convergence, band, lost) = (Convergence::UNKNOWN, None, FailedMembers::default());
+    Ok(Judged { run, accuracy, convergence, band, spacing, lost, columns: plan.columns })
 }
 
-/// The run, and what was measured of it and its neighbours.
-fn with_neighbours(
+/// The run, and what was measured of it and its perturbed runs.
+fn with_ensemble(
     rig: &pneudrive_sim::Rig,
     plan: Plan,
     meter: &work::Meter,
@@ -146,7 +156,7 @@ fn simulate(py: Python<'_>, rig: &Rig, plan: Plan, progress: Option<Py<PyAny>>) 
     let is_judged = !plan.is_alone();
     let bar = progress::of(py, progress, "simulating")?;
     let (judged, moves) = if is_judged {
-        let (judged, moves) = work::run(py, bar, |meter| with_neighbours(&rig.rig, plan, meter))?;
+        let (judged, moves) = work::run(py, bar, |meter| with_ensemble(&rig.rig, plan, meter))?;
         (judged, OnceLock::from(moves))
     } else {
         (work::run_here(py, bar, |tell| alone(&rig.rig, plan, tell))?, OnceLock::new())
@@ -158,23 +168,23 @@ fn simulate(py: Python<'_>, rig: &Rig, plan: Plan, progress: Option<Py<PyAny>>) 
 
 #[pymethods]
 impl Rig {
-    /// Runs the test. `ensemble` counts the run and its neighbours, whose mass and starting position differ by next to
-    /// nothing; figures are ranges over them. `decide` asks whether the integration error could change an encoder
+    /// Runs the test. `ensemble` counts the run and its perturbed runs, whose mass and starting position differ by next to
+    /// nothing; figures are ranges over them. `check_convergence` asks whether the integration error could change an encoder
     /// count. `columns` adds columns of the air inside the valve. The interpreter's lock is released.
-    #[pyo3(signature = (*, ensemble=8, decide=true, columns=Vec::new(), tolerance=None, method=None, progress=None))]
+    #[pyo3(signature = (*, ensemble=8, check_convergence=true, columns=Vec::new(), tolerance=None, method=None, progress=None))]
     #[expect(clippy::too_many_arguments, reason = "they are keywords in Python")]
     fn simulate(
         &self,
         py: Python<'_>,
         ensemble: usize,
-        decide: bool,
+        check_convergence: bool,
         columns: Vec<String>,
         tolerance: Option<f64>,
         method: Option<&str>,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Py<Run>> {
         let accuracy = self.accuracy(tolerance, method)?;
-        let plan = Plan::new(accuracy, ensemble, decide, &columns)?;
+        let plan = Plan::new(accuracy, ensemble, check_convergence, &columns)?;
         simulate(py, self, plan, progress)
     }
 }
@@ -188,13 +198,13 @@ fn channels(rig: &Rig, judged: &Arc<Judged>) -> Channels {
     })
 }
 
-/// Whether the transient of a run is decided, or the error of its integration chose it.
+/// Whether the transient of a run is converged, or the error of its integration chose it.
 #[pyclass(frozen, get_all, module = "pneudrive")]
-pub struct Decided {
+pub struct Converged {
     /// Whether the exact transient is this one.
-    is_decided: bool,
-    /// From when on the exact transient may be another one, s; None of a run that is decided.
-    undecided_from_s: Option<f64>,
+    is_converged: bool,
+    /// From when on the exact transient may be another one, s; None of a run that is converged.
+    unconverged_from_s: Option<f64>,
     /// Estimated error of the positions, the largest of the run, m.
     error_m: f64,
     /// How near a sampled position came to another count, m; None where no encoder is in the loop.
@@ -204,9 +214,9 @@ pub struct Decided {
 }
 
 #[pymethods]
-impl Decided {
+impl Converged {
     fn __bool__(&self) -> bool {
-        self.is_decided
+        self.is_converged
     }
 
     fn __str__(&self) -> &str {
@@ -214,7 +224,7 @@ impl Decided {
     }
 
     fn __repr__(&self) -> String {
-        format!("<Decided: {}>", self.text)
+        format!("<Converged: {}>", self.text)
     }
 }
 
@@ -244,16 +254,16 @@ impl Run {
         self.rig.clone()
     }
 
-    /// Whether the run is decided; None if that was not asked.
+    /// Whether the run is converged; None if that was not asked.
     #[getter]
-    fn decision(&self) -> Option<Decided> {
-        let decision = &self.judged.decision;
-        self.is_judged.then(|| Decided {
-            is_decided: decision.is_decided(),
-            undecided_from_s: decision.undecided_from_s,
-            error_m: decision.error_m,
-            closest_edge_m: decision.closest_edge.map(|edge| edge.distance_m),
-            text: words::decision(decision),
+    fn convergence(&self) -> Option<Converged> {
+        let convergence = &self.judged.convergence;
+        self.is_judged.then(|| Converged {
+            is_converged: convergence.is_converged(),
+            unconverged_from_s: convergence.unconverged_from_s,
+            error_m: convergence.error_m,
+            closest_edge_m: convergence.closest_edge.map(|edge| edge.distance_m),
+            text: words::convergence(convergence),
         })
     }
 
@@ -268,13 +278,13 @@ impl Run {
         self.judged.run.fault.map(trip)
     }
 
-    /// How many runs its figures rest on: itself and its neighbours.
+    /// How many runs its figures rest on: itself and its perturbed runs.
     #[getter]
     fn ensemble(&self) -> usize {
         self.measured().len()
     }
 
-    /// Its moves, with figures as ranges over the run and its neighbours.
+    /// Its moves, with figures as ranges over the run and its perturbed runs.
     #[getter]
     fn moves(&self) -> Vec<Move> {
         of_runs(self.measured())
@@ -292,8 +302,8 @@ impl Run {
         self.judged.run.work.integrator.n_steps
     }
 
-    /// Lowest and highest values over the run and its neighbours, at the run's own instants: a pair of arrays for each
-    /// channel. Empty without neighbours.
+    /// Lowest and highest values over the run and its perturbed runs, at the run's own instants: a pair of arrays for each
+    /// channel. Empty without perturbed runs.
     #[getter]
     fn band<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let dict = PyDict::new(py);
@@ -305,7 +315,7 @@ impl Run {
         Ok(dict)
     }
 
-    /// The integers of the controller, a sample each: what every rung repeats in every bit. A pressure that the rig does not
+    /// The integers of the controller, a sample each: what every execution level repeats in every bit. A pressure that the rig does not
     /// measure is NaN.
     #[getter]
     fn samples(&self, py: Python<'_>) -> PyResult<Py<Channels>> {
@@ -319,13 +329,13 @@ impl Run {
         Transient::of(py, transient::Transient::of_run(self.rig.rig.name(), &self.stored()))
     }
 
-    /// Writes a run folder, as `pneudrive simulate` does: trace.csv, run.json, report.html and, with neighbours,
+    /// Writes a run folder, as `pneudrive simulate` does: trace.csv, run.json, report.html and, with perturbed runs,
     /// band.csv. A run of another rig is replaced only with `overwrite`. Returns the number of the run.
     #[pyo3(signature = (folder, *, overwrite=false))]
     fn save(&self, py: Python<'_>, folder: PathBuf, overwrite: bool) -> PyResult<u64> {
         if !self.is_judged {
             return Err(PyValueError::new_err(
-                "a run folder tells whether its run is decided; simulate with decide=True",
+                "a run folder tells whether its run is converged; simulate with check_convergence=True",
             ));
         }
         let existing = if overwrite { Existing::Overwrite } else { Existing::Keep };

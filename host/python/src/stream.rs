@@ -26,7 +26,7 @@ use crate::errors;
 const TICK: Duration = Duration::from_millis(50);
 
 /// Rows that may wait for the program: some 20 minutes of every sample.
-const MOST_WAITING: usize = 1_000_000;
+const MAX_WAITING: usize = 1_000_000;
 
 /// What has come of a run.
 #[derive(Default)]
@@ -87,10 +87,8 @@ impl Live {
 
     fn take(&self, row: StreamedSample) -> Result<()> {
         let mut come = lock(&self.come);
-        if come.rows.len() >= MOST_WAITING {
-            bail!(
-                "the program is {MOST_WAITING} rows behind its stream; take them faster, or a larger every"
-            );
+        if come.rows.len() >= MAX_WAITING {
+            bail!("the program is {MAX_WAITING} rows behind its stream; take them faster, or a larger every");
         }
         come.rows.push(row);
         self.news.notify_all();

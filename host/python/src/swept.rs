@@ -65,7 +65,7 @@ fn columns(sweep: &Sweep, rows: &[Row]) -> Columns {
     }
     let text = |of: &dyn Fn(&Row) -> &str| Column::Text(rows.iter().map(|row| of(row).to_owned()).collect());
     if !sweep.is_drawn() {
-        columns.push(("decided".to_owned(), text(&|row| decided(row))));
+        columns.push(("converged".to_owned(), text(&|row| converged(row))));
     }
     columns.push(("fault".to_owned(), text(&|row| &row.fault)));
     columns.push(("failure".to_owned(), text(&|row| &row.failure)));
@@ -73,8 +73,8 @@ fn columns(sweep: &Sweep, rows: &[Row]) -> Columns {
 }
 
 /// As the result of a sweep has it.
-fn decided(row: &Row) -> &'static str {
-    match row.decided {
+fn converged(row: &Row) -> &'static str {
+    match row.converged {
         Some(true) => "yes",
         Some(false) => "no",
         None => "",

@@ -42,8 +42,8 @@ def main() -> None:
     program, trials = sys.argv[1], int(sys.argv[2])
     for name in RIGS:
         rig = pneudrive.Rig(name)
-        plain = lambda: rig.simulate(ensemble=1, decide=False)  # noqa: E731
-        looked_at = lambda: rig.simulate(ensemble=1, decide=False)["position_m"]  # noqa: E731
+        plain = lambda: rig.simulate(ensemble=1, check_convergence=False)  # noqa: E731
+        looked_at = lambda: rig.simulate(ensemble=1, check_convergence=False)["position_m"]  # noqa: E731
         rows = []
         for _ in range(trials):
             # Without what it takes to start.

@@ -1,6 +1,6 @@
-"""How much faster a sweep of 1,000 runs is on workers and on threads: `python scaling.py MOST TRIALS`.
+"""How much faster a sweep of 1,000 runs is on workers and on threads: `python scaling.py MAX TRIALS`.
 
-Each trial runs the sweep on 1, 2, 4, ... up to MOST threads and on as many workers of a Dask cluster on this machine, which are
+Each trial runs the sweep on 1, 2, 4, ... up to MAX threads and on as many workers of a Dask cluster on this machine, which are
 started before. Printed are medians of the wall-clock time.
 """
 

@@ -122,7 +122,7 @@ def test_a_sweep_of_a_rig_varies_what_it_is_told() -> None:
     assert list(found["load.mass_kg"]) == [1.0, 1.0, 2.0, 2.0]
     assert found["tubing.model"] == ["\"analytical\"", "\"none\""] * 2 or found["tubing.model"] == ["analytical", "none"] * 2
     assert np.all(found["speed_least"] <= found["speed"]) and np.all(found["speed"] <= found["speed_most"])
-    assert set(found["decided"]) <= {"yes", "no"}
+    assert set(found["converged"]) <= {"yes", "no"}
     assert found.best == int(np.argmax(found["speed_least"]))
     assert found.rig(2).load.mass_kg == 2.0
     alone = found.rig(2).simulate(ensemble=2)

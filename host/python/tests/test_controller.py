@@ -10,7 +10,7 @@ from pneudrive import Command, Controller, Plant, Rig, Sample
 @pytest.mark.parametrize("name", pneudrive.builtin_rigs())
 def test_a_loop_in_python_repeats_every_integer_of_the_simulation(name: str) -> None:
     rig = Rig(name, test__duration_s=0.4)
-    expected = rig.simulate(ensemble=1, decide=False).samples
+    expected = rig.simulate(ensemble=1, check_convergence=False).samples
     controller, plant = Controller(rig), Plant(rig)
     sample, seen = plant.sample(), []
     for _ in expected["index"]:
@@ -68,7 +68,7 @@ def test_numbers_of_numpy_are_whole_numbers() -> None:
 
 def test_the_state_of_the_plant_is_that_of_the_run(rig: Rig) -> None:
     rig = rig.with_(test__duration_s=0.1)
-    run = rig.simulate(ensemble=1, decide=False)
+    run = rig.simulate(ensemble=1, check_convergence=False)
     controller, plant = Controller(rig), Plant(rig)
     assert plant.state["position_m"] == rig.test.position_m
     sample = plant.sample()

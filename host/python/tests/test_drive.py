@@ -27,7 +27,7 @@ def slow_port(rig: Rig) -> Iterator[str]:
 
 
 def test_a_run_on_a_drive_records_the_integers_of_the_simulation(port: str, rig: Rig) -> None:
-    expected = rig.simulate(ensemble=1, decide=False).samples
+    expected = rig.simulate(ensemble=1, check_convergence=False).samples
     with Drive(port) as drive:
         record = drive.run(rig)
         again = drive.record()
@@ -119,7 +119,7 @@ def test_a_run_for_another_loop_is_refused(port: str, rig: Rig) -> None:
 
 def test_gains_are_downloaded_when_asked_for(port: str, rig: Rig) -> None:
     other = rig.with_(controller__velocity_gain=1000)
-    expected = other.simulate(ensemble=1, decide=False).samples
+    expected = other.simulate(ensemble=1, check_convergence=False).samples
     with Drive(port) as drive:
         record = drive.run(other, config=True)
     assert np.array_equal(record["command_counts"], expected["command_counts"][: len(record["command_counts"])])

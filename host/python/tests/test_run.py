@@ -43,7 +43,7 @@ def test_a_run_of_another_rig_is_replaced_only_when_told(run: Run, tmp_path: Pat
     assert other.save(tmp_path, overwrite=True) == 2
 
 
-def test_figures_are_ranges_over_the_run_and_its_neighbours(run: Run) -> None:
+def test_figures_are_ranges_over_the_run_and_its_perturbed_runs(run: Run) -> None:
     last = run.moves[-1]
     assert (last.number, run.ensemble) == (len(run.moves), 8)
     figure = last.ends_at_mm
@@ -59,23 +59,23 @@ def test_figures_are_ranges_over_the_run_and_its_neighbours(run: Run) -> None:
     assert np.all(low <= run["position_m"]) and np.all(run["position_m"] <= high)
 
 
-def test_a_run_says_whether_it_is_decided(run: Run) -> None:
-    assert run.decision is not None
-    assert bool(run.decision) == run.decision.is_decided
-    assert run.decision.error_m < 1e-5
-    assert str(run.decision) in run.notes
+def test_a_run_says_whether_it_is_converged(run: Run) -> None:
+    assert run.convergence is not None
+    assert bool(run.convergence) == run.convergence.is_converged
+    assert run.convergence.error_m < 1e-5
+    assert str(run.convergence) in run.notes
 
 
 def test_a_run_alone_says_what_it_does_not_know(rig: Rig, run: Run) -> None:
-    alone = rig.simulate(ensemble=1, decide=False)
-    assert alone.decision is None
-    assert "nobody asked whether it is decided" in alone.notes[1]
+    alone = rig.simulate(ensemble=1, check_convergence=False)
+    assert alone.convergence is None
+    assert "nobody asked whether it is converged" in alone.notes[1]
     assert alone.band == {}
     figure = alone.moves[-1].ends_at_mm
     assert (figure.runs, figure.least, figure.most) == (1, None, None)
     for name in run:
         assert np.array_equal(alone[name], run[name]), name
-    with pytest.raises(ValueError, match="simulate with decide=True"):
+    with pytest.raises(ValueError, match="simulate with check_convergence=True"):
         alone.save(Path("nowhere"))
 
 
@@ -105,7 +105,7 @@ def test_other_threads_go_on_while_a_run_lasts() -> None:
     counted, done = 0, threading.Event()
 
     def work() -> None:
-        long.simulate(ensemble=1, decide=False)
+        long.simulate(ensemble=1, check_convergence=False)
         done.set()
 
     thread = threading.Thread(target=work)
@@ -157,7 +157,7 @@ def test_a_trip_is_told_with_its_meaning() -> None:
 
 def test_a_pressure_that_is_not_measured_is_no_number() -> None:
     with_sensors, without = (
-        Rig("servo-b-tuned", sensors__pressure=measured, test__duration_s=1.0).simulate(ensemble=1, decide=False).samples
+        Rig("servo-b-tuned", sensors__pressure=measured, test__duration_s=1.0).simulate(ensemble=1, check_convergence=False).samples
         for measured in (True, False)
     )
     for name in ("pressure_1_raw", "pressure_2_raw"):

@@ -1,4 +1,4 @@
-//! The band of a run: the range of its neighbours and itself at each instant (see [`crate::judged`]).
+//! The band of a run: the range of its perturbed runs and itself at each instant (see [`crate::judged`]).
 //!
 //! band.csv, beside trace.csv and with its rows: `time_s`, then for each channel of [`CHANNELS`] its lowest and its
 //! highest value, `position_m_low,position_m_high,...`; SI except where the name says otherwise.

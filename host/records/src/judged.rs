@@ -1,9 +1,9 @@
-//! A run with its neighbours, as stored in a run folder: the accuracy of its integration, whether it is decided, and the
-//! band of the run and its neighbours.
+//! A run with its perturbed runs, as stored in a run folder: the accuracy of its integration, whether it is converged, and the
+//! band of the run and its perturbed runs.
 
 use pneudrive_controller::Fault;
 use pneudrive_sim::trace::Extra;
-use pneudrive_sim::{Accuracy, Decision, NEIGHBOURS_APART, Run};
+use pneudrive_sim::{Accuracy, Convergence, PERTURBATION, Run};
 
 use crate::band::Band;
 
@@ -18,7 +18,7 @@ pub struct Spacing {
 
 impl Default for Spacing {
     fn default() -> Self {
-        Spacing { runs: 8, relative: NEIGHBOURS_APART }
+        Spacing { runs: 8, relative: PERTURBATION }
     }
 }
 
@@ -29,21 +29,21 @@ pub struct Judged {
     pub run: Run,
     /// The accuracy of its integration.
     pub accuracy: Accuracy,
-    /// Whether it is decided.
-    pub decision: Decision,
-    /// The range of the run and its neighbours; None without neighbours.
+    /// Whether it is converged.
+    pub convergence: Convergence,
+    /// The range of the run and its perturbed runs; None without perturbed runs.
     pub band: Option<Band>,
-    /// The number and the distance of its neighbours.
+    /// The number and the distance of its perturbed runs.
     pub spacing: Spacing,
-    /// Its neighbours that failed.
-    pub lost: FailedNeighbours,
+    /// Its perturbed runs that failed.
+    pub lost: FailedMembers,
     /// Optional columns of its trace; its rows hold them.
     pub columns: Vec<&'static Extra>,
 }
 
-/// Neighbours that did not reach the end of their run.
+/// Perturbed runs that did not reach the end of their run.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct FailedNeighbours {
+pub struct FailedMembers {
     /// Faults of those whose supervisor tripped; their figures are among the others.
     pub tripped: Vec<Fault>,
     /// Why the others could not be simulated: a key out of its range, or an error of the integrator.

@@ -6,7 +6,7 @@
 //! | [`target`] | TARGETxx.DAT: read, write, number |
 //! | [`stream_file`] | a run that is streamed to disk |
 //! | [`run_folder`] | trace.csv and run.json of a simulated run: read, write |
-//! | [`judged`], [`band`] | a run and how far it can be trusted, and the range of the run and its neighbours |
+//! | [`judged`], [`band`] | a run and how far it can be trusted, and the range of the run and its perturbed runs |
 //! | [`rig_source`], [`rig_text`] | rig files by name, and as text: new values, the same comments |
 //! | [`words`] | the meaning of the controller's codes |
 //! | [`parameter_names`] | names and values of parameters as in rig files |

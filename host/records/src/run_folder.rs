@@ -1,4 +1,4 @@
-//! The folder of a simulated run: trace.csv and run.json, band.csv where the run has neighbours, and its page.
+//! The folder of a simulated run: trace.csv and run.json, band.csv where the run has perturbed runs, and its page.
 //!
 //! The files form a unit: they are replaced together (`replacement.rs`), run.json has the checksums of trace.csv and
 //! band.csv, and the page has the identity of its run, [`IDENTITY`].
@@ -59,7 +59,7 @@ static WINDOWS: [&Typed<i64>; 2] =
     [&keys::controller::VELOCITY_WINDOW_SAMPLES, &keys::controller::ACCELERATION_WINDOW_SAMPLES];
 
 /// Writes trace.csv, run.json and, if there is a band, band.csv of a run to a folder, and its page if it has one; all of
-/// them or none, and no file of another run stays. `moves` are those of the run and its neighbours in the form of
+/// them or none, and no file of another run stays. `moves` are those of the run and its perturbed runs in the form of
 /// run.json. Returns the number of the run.
 ///
 /// # Errors
@@ -115,9 +115,9 @@ fn refuse_others(folder: &Path) -> Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::judged::{FailedNeighbours, Spacing};
+    use crate::judged::{FailedMembers, Spacing};
     use pneudrive_sim::rig::BUILTIN;
-    use pneudrive_sim::{Accuracy, Decision, run};
+    use pneudrive_sim::{Accuracy, Convergence, run};
 
     #[test]
     fn the_rig_of_a_run_folder_is_the_rig_that_was_run() {
@@ -129,9 +129,9 @@ mod tests {
             let rig = rig.with_numbers(&[("test.duration_s", 0.03)]).unwrap_or(rig);
             let (accuracy, spacing) = (Accuracy::of(&rig), Spacing { runs: 2, ..Spacing::default() });
             let run = run(&rig, accuracy).expect("a run");
-            let (decision, band) = (Decision::UNKNOWN, Some(Band::of(&run)));
-            let (lost, columns) = (FailedNeighbours::default(), Vec::new());
-            let judged = Judged { run, accuracy, decision, band, spacing, lost, columns };
+            let (convergence, band) = (Convergence::UNKNOWN, Some(Band::of(&run)));
+            let (lost, columns) = (FailedMembers::default(), Vec::new());
+            let judged = Judged { run, accuracy, convergence, band, spacing, lost, columns };
             write(folder.path(), &rig, &judged, json!([]), None, Existing::Overwrite).expect("written");
             let read = rig_of(folder.path()).unwrap_or_else(|error| panic!("{}: {error:#}", rig.name()));
             for (key, value) in rig.entries() {

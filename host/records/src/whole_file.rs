@@ -51,9 +51,9 @@ fn replace(path: &Path, pieces: &[&[u8]]) -> io::Result<()> {
 /// The file that a link leads to, however many there are: the link stays, and its file is replaced.
 pub(crate) fn behind_links(path: &Path) -> io::Result<PathBuf> {
     /// As many as Linux follows.
-    const MOST_LINKS: usize = 40;
+    const MAX_LINKS: usize = 40;
     let mut path = path.to_owned();
-    for _ in 0..MOST_LINKS {
+    for _ in 0..MAX_LINKS {
         match fs::read_link(&path) {
             Ok(target) => path = folder_of(&path).join(target),
             Err(_) => return Ok(path),

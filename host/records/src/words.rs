@@ -4,9 +4,9 @@ use std::cmp::Ordering;
 
 use pneudrive_controller::{Fault, Refusal};
 use pneudrive_protocol::{ANY_BOOT, CURRENT_VERSION, Presence, Refused, code};
-use pneudrive_sim::{Decision, Rig, Run};
+use pneudrive_sim::{Convergence, Rig, Run};
 
-use crate::judged::{FailedNeighbours, Judged, Spacing};
+use crate::judged::{FailedMembers, Judged, Spacing};
 use crate::parameter_names::Written;
 use crate::untrusted::{NAME, SENTENCE, sanitised};
 
@@ -40,10 +40,10 @@ pub fn protocol(version: u16) -> String {
     }
 }
 
-/// Whether a run is decided, and the evidence for it.
-pub fn decision(decision: &Decision) -> String {
-    let error = length(decision.error_m);
-    let edge = decision.closest_edge.map(|edge| {
+/// Whether a run is converged, and the evidence for it.
+pub fn convergence(convergence: &Convergence) -> String {
+    let error = length(convergence.error_m);
+    let edge = convergence.closest_edge.map(|edge| {
         format!(
             "; the closest sampled position to another count was {} away at {:.4} s",
             length(edge.distance_m),
@@ -51,30 +51,30 @@ pub fn decision(decision: &Decision) -> String {
         )
     });
     let edge = edge.unwrap_or_default();
-    match decision.undecided_from_s {
-        None => format!("decided: positions are off by about {error}, as estimated{edge}"),
-        Some(_) if decision.error_m.is_infinite() => {
-            "undecided: no run at another tolerance to compare with; choose another --tolerance".to_owned()
+    match convergence.unconverged_from_s {
+        None => format!("converged: positions are off by about {error}, as estimated{edge}"),
+        Some(_) if convergence.error_m.is_infinite() => {
+            "unconverged: no run at another tolerance to compare with; choose another --tolerance".to_owned()
         }
         Some(since) => format!(
-            "undecided from {since:.4} s on: the exact transient may differ from there; positions are off by about {error}, as estimated{edge}; a smaller --tolerance may decide it"
+            "not converged from {since:.4} s on: the exact transient may differ from there; positions are off by about {error}, as estimated{edge}; a smaller --tolerance may converge"
         ),
     }
 }
 
-/// A line about a run, one that tells whether it is decided, and one about its neighbours.
+/// A line about a run, one that tells whether it is converged, and one about its perturbed runs.
 pub fn run(rig: &Rig, judged: &Judged) -> Vec<String> {
     let lost = judged.band.as_ref().and_then(|_| lost(&judged.lost));
-    let neighbours = judged.band.as_ref().map(|_| {
+    let members = judged.band.as_ref().map(|_| {
         let Spacing { runs, relative } = judged.spacing;
-        let neighbours = if runs == 2 { "neighbour" } else { "neighbours" };
+        let members = if runs == 2 { "member" } else { "ensemble" };
         format!(
-            "{} {neighbours} whose mass and starting position differ by up to {relative:e} (of the mass, of the stroke)",
+            "{} {members} whose mass and starting position differ by up to {relative:e} (of the mass, of the stroke)",
             runs - 1
         )
     });
-    let first = [summary(rig, &judged.run), decision(&judged.decision)];
-    first.into_iter().chain(neighbours).chain(lost).collect()
+    let first = [summary(rig, &judged.run), convergence(&judged.convergence)];
+    first.into_iter().chain(members).chain(lost).collect()
 }
 
 /// One line about a run.
@@ -91,8 +91,8 @@ pub fn summary(rig: &Rig, run: &Run) -> String {
     )
 }
 
-/// What went wrong with the neighbours of a run, if anything.
-pub fn lost(lost: &FailedNeighbours) -> Option<String> {
+/// What went wrong with the members of the ensemble of a run, if anything.
+pub fn lost(lost: &FailedMembers) -> Option<String> {
     let tripped = (!lost.tripped.is_empty()).then(|| {
         let mut names: Vec<&str> = lost.tripped.iter().map(|fault| fault_name(*fault)).collect();
         names.sort_unstable();

@@ -1,10 +1,10 @@
-//! Arguments that several commands have: which rig, how it is integrated, with which neighbours, and what
+//! Arguments that several commands have: which rig, how it is integrated, with which perturbed runs, and what
 //! its pages are like.
 
 use clap::{Args, ValueEnum};
 use pneudrive_analysis::page::Library;
 use pneudrive_records::judged::Spacing;
-use pneudrive_sim::{Accuracy, Method, NEIGHBOURS_APART, Rig};
+use pneudrive_sim::{Accuracy, Method, PERTURBATION, Rig};
 
 /// Which rig, and what to change in it.
 #[derive(Debug, Args)]
@@ -81,13 +81,13 @@ impl Pages {
 
 /// Runs beside the nominal one.
 #[derive(Clone, Copy, Debug, Args)]
-pub struct Neighbours {
-    /// Total number of runs: the rig itself, and neighbours whose mass and starting position differ very slightly; figures
+pub struct EnsembleChoice {
+    /// Total number of runs: the rig itself, and perturbed runs whose mass and starting position differ very slightly; figures
     /// are ranges over all of them. 1: only the rig itself
     #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u16).range(1..=1000))]
     pub ensemble: u16,
-    /// Distance of the neighbours: relative change of the mass, and change of the starting position relative to the stroke
-    #[arg(long, value_name = "X", default_value_t = NEIGHBOURS_APART, value_parser = change)]
+    /// Distance of the perturbed runs: relative change of the mass, and change of the starting position relative to the stroke
+    #[arg(long, value_name = "X", default_value_t = PERTURBATION, value_parser = change)]
     pub change: f64,
 }
 
@@ -96,7 +96,7 @@ fn change(text: &str) -> Result<f64, String> {
     if (1e-12..=0.1).contains(&value) { Ok(value) } else { Err("must be between 1e-12 and 0.1".to_owned()) }
 }
 
-impl Neighbours {
+impl EnsembleChoice {
     /// What the library takes.
     #[must_use]
     pub fn spacing(&self) -> Spacing {

@@ -4,7 +4,7 @@ use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
-use pneudrive_link::bring_up::{MOST_PERCENT, PUSH_WAIT_S};
+use pneudrive_link::bring_up::{MAX_PERCENT, PUSH_WAIT_S};
 use pneudrive_records::parameter_names::whole_number;
 
 use super::PortChoice;
@@ -82,7 +82,7 @@ pub struct BringUp {
     #[arg(long, value_name = "S", default_value_t = 20, value_parser = clap::value_parser!(u16).range(range_of(PUSH_WAIT_S)))]
     pub push_wait: u16,
     /// The largest command of a pulse, percent of the valve
-    #[arg(long, value_name = "PERCENT", default_value_t = 30, value_parser = clap::value_parser!(u8).range(range_of(MOST_PERCENT)))]
+    #[arg(long, value_name = "PERCENT", default_value_t = 30, value_parser = clap::value_parser!(u8).range(range_of(MAX_PERCENT)))]
     pub most: u8,
 }
 

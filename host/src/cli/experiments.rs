@@ -10,7 +10,7 @@ use pneudrive_analysis::sweep::metric::FIGURES;
 use pneudrive_sim::characteristics::CURVES;
 
 use super::percent::percent;
-use super::{Neighbours, Pages, RigChoice};
+use super::{EnsembleChoice, Pages, RigChoice};
 
 /// Arguments of `characterise`.
 #[derive(Debug, Args)]
@@ -116,7 +116,7 @@ pub struct Sweep {
     /// Folder for sweep.csv, sweep.html and sweep.journal [default: a folder named like the file]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Runs of each point: the rig itself, and neighbours whose mass and starting position differ very slightly;
+    /// Runs of each point: the rig itself, and perturbed runs whose mass and starting position differ very slightly;
     /// metrics are ranges over all of them. Not for a sweep with draws [default: ensemble in the file, or 1]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1000))]
     pub ensemble: Option<u16>,
@@ -171,9 +171,9 @@ pub struct Ladder {
     /// Folder for ladder.html
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
-    /// Its neighbours.
+    /// Its perturbed runs.
     #[command(flatten)]
-    pub neighbours: Neighbours,
+    pub members: EnsembleChoice,
     /// Do not ask for confirmation, however long it takes
     #[arg(long)]
     pub yes: bool,

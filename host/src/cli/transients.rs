@@ -37,7 +37,7 @@ pub struct Eval {
     /// The rig of a record; its cylinder is needed to compute the air used by the moves
     #[arg(long)]
     pub rig: Option<String>,
-    /// For a run folder, total number of runs: the run and its neighbours, simulated again; figures are ranges over all of
+    /// For a run folder, total number of runs: the run and its perturbed runs, simulated again; figures are ranges over all of
     /// them. 1: only the run [default: as it was simulated]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1000))]
     pub ensemble: Option<u16>,

@@ -40,7 +40,7 @@ pub(super) fn execute(arguments: &Eval) -> Result<()> {
     let rig = rig_beside(arguments, &transient)?;
     let chambers = rig.as_ref().map(Chambers::of);
     let own = moves(&transient, &motion, chambers.as_ref(), arguments.tolerance);
-    let (runs, rest) = with_neighbours(arguments, own)?;
+    let (runs, rest) = with_ensemble(arguments, own)?;
     let table = table(&runs, arguments.tolerance);
     let other_name = rig.as_ref().and_then(|rig| other_name(&transient, rig));
     let remarks: Vec<String> =
@@ -102,9 +102,9 @@ fn other_name(transient: &Transient, rig: &Rig) -> Option<String> {
     })
 }
 
-/// The moves of a transient and, for a run folder, those of the neighbours of the run; with a remark on what the
+/// The moves of a transient and, for a run folder, those of the members of the ensemble of the run; with a remark on what the
 /// figures rest on.
-fn with_neighbours(arguments: &Eval, own: Vec<Move>) -> Result<(Vec<Vec<Move>>, Option<String>)> {
+fn with_ensemble(arguments: &Eval, own: Vec<Move>) -> Result<(Vec<Vec<Move>>, Option<String>)> {
     if !arguments.file.is_dir() {
         return match arguments.ensemble {
             None => Ok((vec![own], None)),
@@ -126,7 +126,7 @@ fn with_neighbours(arguments: &Eval, own: Vec<Move>) -> Result<(Vec<Vec<Move>>, 
     // Older versions accepted values that this one refuses.
     let Ok(rig) = rig_of(&arguments.file) else { return Ok((vec![own], Some(OTHER.to_owned()))) };
     let accuracy = stored.accuracy.unwrap_or(Accuracy::of(&rig));
-    let mut progress = Progress::new("simulating its neighbours");
+    let mut progress = Progress::new("simulating its perturbed runs");
     let measure = |rig: &Rig, run: &Run| {
         let part = within(&Transient::of_run("", &StoredRun::of(rig, run)), &arguments.interval);
         moves(&part, &Motion::of(&part), Some(&Chambers::of(rig)), arguments.tolerance)
@@ -149,8 +149,8 @@ fn with_neighbours(arguments: &Eval, own: Vec<Move>) -> Result<(Vec<Vec<Move>>, 
 /// The note on a run of an older version.
 const UNCHECKED: &str = "An older version of the program wrote this run without a checksum, so a changed or damaged trace cannot be detected.";
 
-/// The remark on a run without neighbours.
-const ALONE: &str = "These are figures of a single run; how much its neighbours differ is not known.";
+/// The remark on a run without perturbed runs.
+const ALONE: &str = "These are figures of a single run; how much its perturbed runs differ is not known.";
 
 /// The remark on a run that this version does not reproduce.
 const OTHER: &str = "This program does not reproduce the run from its values: another version made it, or it was changed. The figures are of the stored trace alone.";

@@ -17,9 +17,9 @@ pub(super) fn run(rig: &Rig, judged: &Judged, moves: &Value) -> Value {
         "rig": rig.name(),
         "samples": judged.run.observations.len(),
         "ensemble": judged.band.as_ref().map_or(1, |_| judged.spacing.runs),
-        "decided": judged.decision.is_decided(),
-        "undecided_from_s": judged.decision.undecided_from_s,
-        "position_error_m": judged.decision.error_m,
+        "converged": judged.convergence.is_converged(),
+        "unconverged_from_s": judged.convergence.unconverged_from_s,
+        "position_error_m": judged.convergence.error_m,
         "fault": judged.run.fault.map(|(fault, k)| json!({ "name": words::fault_name(fault), "sample": k })),
         "moves": moves,
     })
@@ -123,7 +123,7 @@ pub(super) fn thesis(shown: &[Shown]) -> Value {
     json!({ "entries": entries.collect::<Vec<_>>() })
 }
 
-/// The rungs of a ladder, each with its deviations from the first: its own run, then each neighbour.
+/// The rungs of a ladder, each with its deviations from the first: its own run, then each perturbed run.
 pub(super) fn ladder(rungs: &[Rung]) -> Value {
     let one = |rung: &Rung| {
         let [time, least, most] = rung.time_over_reference;
@@ -133,7 +133,7 @@ pub(super) fn ladder(rungs: &[Rung]) -> Value {
             "evaluations_per_sample": rung.evaluations,
             "flow_iterations_per_sample": rung.flow_iterations,
             "time_over_reference": { "value": time, "least": least, "most": most },
-            "decided": rung.decision.is_decided(),
+            "converged": rung.convergence.is_converged(),
             "deviations": rung.deviations.iter().map(|all| deviations(all)).collect::<Vec<_>>(),
         })
     };

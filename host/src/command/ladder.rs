@@ -19,7 +19,7 @@ pub(super) fn execute(arguments: &Ladder) -> Result<()> {
     refuse_to_replace(&place, GENERATOR)?;
     let source = rig_text(&arguments.rig.rig)?;
     let mut progress = Progress::of("climbing", "models");
-    let spacing = arguments.neighbours.spacing();
+    let spacing = arguments.members.spacing();
     let mut pace = Pace::begin("the ladder", arguments.yes);
     let begun = Instant::now();
     let rungs = climb(

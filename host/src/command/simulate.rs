@@ -31,7 +31,7 @@ pub(super) fn execute(arguments: &Simulate) -> Result<()> {
     let accuracy = arguments.integration.accuracy(&rig);
     let mut progress = Progress::new("simulating");
     let begin = Instant::now();
-    let spacing = arguments.neighbours.spacing();
+    let spacing = arguments.members.spacing();
     let ensemble = run_ensemble(&rig, accuracy, spacing, figures, |done, all| progress.at(done, all));
     let took = begin.elapsed();
     progress.done();
@@ -98,9 +98,9 @@ fn strictly(judged: &Judged) -> Result<()> {
             Exit::Tripped.error(format!("the drive tripped at sample {k}: {}", words::fault_name(fault)))
         );
     }
-    match judged.decision.is_decided() {
+    match judged.convergence.is_converged() {
         true => Ok(()),
-        false => Err(Exit::Undecided.error(words::decision(&judged.decision))),
+        false => Err(Exit::Unconverged.error(words::convergence(&judged.convergence))),
     }
 }
 
@@ -109,7 +109,7 @@ fn page(rig: &Rig, judged: &Judged, notes: Vec<String>, table: Table) -> Page {
     report::page(&format!("{}, simulated", rig.name()), notes, &[transient], vec![table])
 }
 
-/// What is measured of a run and of each neighbour.
+/// What is measured of a run and of each perturbed run.
 pub(super) fn figures(rig: &Rig, run: &Run) -> Vec<Move> {
     moves_of_run(rig, run, TOLERANCE_MM)
 }

@@ -6,7 +6,7 @@ use anyhow::{Context, Result};
 use pneudrive_analysis::parallel;
 
 /// More threads than this no machine serves better, and some systems do not start.
-const MOST: NonZeroUsize = NonZeroUsize::new(256).unwrap();
+const MAX: NonZeroUsize = NonZeroUsize::new(256).unwrap();
 
 /// Sets the number of threads of the pool, and returns it; by default, one for each processor.
 ///
@@ -14,7 +14,7 @@ const MOST: NonZeroUsize = NonZeroUsize::new(256).unwrap();
 /// When the system cannot start them.
 pub(super) fn prepare(asked: Option<NonZeroUsize>) -> Result<NonZeroUsize> {
     if let Some(threads) = asked {
-        let threads = threads.min(MOST);
+        let threads = threads.min(MAX);
         if Some(threads) != asked {
             tell!("note: --threads is at most {threads}");
         }

@@ -3,8 +3,8 @@
 //!
 //! | connection | may stay | at most |
 //! |---|---|---|
-//! | one that has not shown the token | [`STRANGER_WAIT`], and the one that is oldest leaves for a new one after [`HURRY`] | [`MOST_STRANGERS`] |
-//! | one that has shown it | as long as it likes; beyond the limit the one that was silent longest leaves for a new one, but none on which a page follows the drive or a study | [`MOST_KNOWN`] |
+//! | one that has not shown the token | [`STRANGER_WAIT`], and the one that is oldest leaves for a new one after [`HURRY`] | [`MAX_STRANGERS`] |
+//! | one that has shown it | as long as it likes; beyond the limit the one that was silent longest leaves for a new one, but none on which a page follows the drive or a study | [`MAX_KNOWN`] |
 
 use std::pin::pin;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -27,10 +27,10 @@ pub const STRANGER_WAIT: Duration = Duration::from_secs(10);
 pub const HURRY: Duration = Duration::from_millis(100);
 
 /// Connections that have not shown the token.
-pub const MOST_STRANGERS: usize = 64;
+pub const MAX_STRANGERS: usize = 64;
 
 /// Connections that have; a page has six.
-pub const MOST_KNOWN: usize = 96;
+pub const MAX_KNOWN: usize = 96;
 
 /// Between two looks for a place that is free.
 const LOOK_AGAIN: Duration = Duration::from_millis(5);
@@ -92,12 +92,12 @@ impl Guests {
     fn take_in(&self) -> Option<Arc<Guest>> {
         let mut all = self.all();
         let strangers = all.iter().filter(|guest| !guest.is_known()).count();
-        if strangers >= MOST_STRANGERS {
+        if strangers >= MAX_STRANGERS {
             let waits = |guest: &&Arc<Guest>| !guest.is_known() && guest.came.elapsed() >= HURRY;
             let oldest = all.iter().filter(waits).min_by_key(|guest| guest.came).cloned();
             send_away(&mut all, &oldest?);
         }
-        while all.iter().filter(|guest| guest.is_known()).count() > MOST_KNOWN {
+        while all.iter().filter(|guest| guest.is_known()).count() > MAX_KNOWN {
             let idle = all.iter().filter(|guest| guest.is_known() && !guest.stays.load(Ordering::Relaxed));
             let Some(longest) = idle.min_by_key(|guest| guest.heard()).cloned() else { break };
             send_away(&mut all, &longest);
@@ -159,7 +159,7 @@ mod tests {
         let guests = Guests::default();
         let known = guests.take_in().expect("a place");
         known.shows_token("/api/drive");
-        for _ in 0..MOST_STRANGERS {
+        for _ in 0..MAX_STRANGERS {
             guests.take_in().expect("a place");
         }
         assert!(guests.take_in().is_none(), "all of them have just come");
@@ -169,7 +169,7 @@ mod tests {
         }
         let all = guests.all();
         assert!(all.iter().any(|guest| Arc::ptr_eq(guest, &known)));
-        assert_eq!(all.len(), MOST_STRANGERS + 1);
+        assert_eq!(all.len(), MAX_STRANGERS + 1);
     }
 
     #[test]
@@ -179,7 +179,7 @@ mod tests {
         follows.shows_token("/api/drive");
         let idle = guests.take_in().expect("a place");
         idle.shows_token("/api/check");
-        for _ in 0..MOST_KNOWN {
+        for _ in 0..MAX_KNOWN {
             guests.take_in().expect("a place").shows_token("/api/order");
         }
         let all = guests.all();

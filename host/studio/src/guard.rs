@@ -5,7 +5,7 @@
 //! | a `Host` that is neither an address nor `localhost` | a foreign name that resolves to this machine makes its page ours (DNS rebinding) |
 //! | an `Origin` that is not this server | another page asks |
 //! | a request for `/api` without the token; with a wrong one after [`PAUSE`] | whoever asks was not given the address |
-//! | a body of more than [`MOST_BYTES`], of more than [`MOST_BYTES_OF_RECORD`] with a record to lay over a run | no rig file is that long; a page waits for no longer record |
+//! | a body of more than [`MAX_BYTES`], of more than [`MAX_BYTES_OF_RECORD`] with a record to lay over a run | no rig file is that long; a page waits for no longer record |
 
 use std::net::{IpAddr, SocketAddr};
 use std::sync::Arc;
@@ -23,10 +23,10 @@ use crate::refused::Refused;
 use crate::token::Token;
 
 /// The longest body of a request: a rig file of the longest kind in JSON, bytes.
-pub const MOST_BYTES: usize = 2 << 20;
+pub const MAX_BYTES: usize = 2 << 20;
 
 /// The longest body of a request with a record: a run folder of some 40,000 samples, bytes.
-pub const MOST_BYTES_OF_RECORD: usize = 16 << 20;
+pub const MAX_BYTES_OF_RECORD: usize = 16 << 20;
 
 /// What a browser may do with the page: load its own files and ask this server. No inline script, no inline style, no
 /// frame around it.

@@ -14,12 +14,12 @@ use pneudrive_page::rigs::Opened;
 use crate::commission::{self, Drive};
 use crate::door;
 use crate::files::{self, Files};
-use crate::guard::{Guard, MOST_BYTES, MOST_BYTES_OF_RECORD, watch};
+use crate::guard::{Guard, MAX_BYTES, MAX_BYTES_OF_RECORD, watch};
 use crate::served;
 use crate::study;
 use crate::token::Token;
 
-/// Threads for simulations: one for a run, one for its neighbours, and two for those that nobody waits for any more.
+/// Threads for simulations: one for a run, one for its perturbed runs, and two for those that nobody waits for any more.
 const THREADS: usize = 4;
 
 /// Threads that take requests in and hand answers out: while one reads a long body, an order to the drive goes on.
@@ -102,7 +102,7 @@ impl Studio {
             .merge(requests())
             .merge(study::routes())
             .merge(commission::routes(self.drive.clone()))
-            .layer(DefaultBodyLimit::max(MOST_BYTES))
+            .layer(DefaultBodyLimit::max(MAX_BYTES))
             .layer(from_fn_with_state(self.guard.clone(), watch))
     }
 
@@ -125,7 +125,7 @@ impl Studio {
 /// What the page can answer itself.
 fn requests() -> Router {
     REQUESTS.into_iter().fold(Router::new(), |router, name| {
-        let most = if WITH_RECORD.contains(&name) { MOST_BYTES_OF_RECORD } else { MOST_BYTES };
+        let most = if WITH_RECORD.contains(&name) { MAX_BYTES_OF_RECORD } else { MAX_BYTES };
         let answered = post(move |headers, body| served::request(name, headers, body))
             .layer(DefaultBodyLimit::max(most));
         router.route(&format!("/api/{name}"), answered)

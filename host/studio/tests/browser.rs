@@ -24,7 +24,7 @@ fn a_component_is_chosen_in_the_picture_by_mouse_and_by_keyboard() {
     for (id, key) in
         [("cylinder", "actuator.stroke_m"), ("valve", "valve.model"), ("air", "supply.pressure_pa")]
     {
-        // The title of a component is not covered by its neighbours.
+        // The title of a component is not covered by its perturbed runs.
         page.click(&format!("#picture [data-id={id}] .title"));
         page.wait_until(&format!("document.querySelector('#inspector [data-key=\"{key}\"]')"));
         assert_eq!(page.evaluate("document.getElementById('component').value"), json!(id));
@@ -85,14 +85,14 @@ fn what_is_found_of_one_rig_is_not_shown_as_that_of_the_next() {
         page.type_into(&format!("{MASS} input[type=text]"), "3");
         page.press("Enter", 13, false);
     };
-    // Its neighbours come while the next rig is opened.
-    hold(&mut page, &["/api/check", "/api/neighbours"]);
+    // Its perturbed runs come while the next rig is opened.
+    hold(&mut page, &["/api/check", "/api/ensemble"]);
     change(&mut page);
-    page.wait_until("held['/api/neighbours'].length === 1");
+    page.wait_until("held['/api/ensemble'].length === 1");
     let checks = page.evaluate("held['/api/check'].length").as_u64().expect("a number");
     choose_rig(&mut page, "servo-c");
     page.wait_until(&format!("held['/api/check'].length > {checks}"));
-    page.evaluate("letGo('/api/neighbours')");
+    page.evaluate("letGo('/api/ensemble')");
     rest(&mut page);
     assert!(!page.text("#state").contains("does not answer"), "{}", page.text("#state"));
     hold_nothing(&mut page);
@@ -130,7 +130,7 @@ fn numbers(value: &serde_json::Value) -> Vec<f64> {
 /// A median of 100 ms and 200 ms at the 99th percentile are what a hand feels as immediate. The test allows for a machine
 /// that has other work; docs/studio.md has the figures of one that has none.
 #[test]
-fn the_curve_follows_a_slider_and_the_neighbours_come_after_it() {
+fn the_curve_follows_a_slider_and_the_perturbed_runs_come_after_it() {
     let mut page = page();
     page.click("#picture [data-id=load] .title");
     page.wait_until(&format!("document.querySelector('{MASS} input[type=range]')"));
@@ -147,14 +147,14 @@ fn the_curve_follows_a_slider_and_the_neighbours_come_after_it() {
     page.mouse("mouseMoved", [x + 25.0, y]);
     page.mouse("mouseReleased", [x + 25.0, y]);
     let until_band = page.wait_until("studio.simulation.isAtRest");
-    page.wait_until("document.querySelector('.verdict.decided, .verdict.undecided')");
+    page.wait_until("document.querySelector('.verdict.converged, .verdict.unconverged')");
     assert_ne!(page.text("#readout"), before, "the curve has moved");
     let latencies =
         page.evaluate("performance.getEntriesByName('change to picture').map((one) => one.duration)");
     let latencies = numbers(&latencies);
     let [median, last] = quantiles(latencies.clone());
     println!(
-        "from slider to picture, {} changes: median {median:.0} ms, 99th percentile {last:.0} ms; neighbours {} ms after the last",
+        "from slider to picture, {} changes: median {median:.0} ms, 99th percentile {last:.0} ms; perturbed runs {} ms after the last",
         latencies.len(),
         until_band.as_millis()
     );

@@ -133,8 +133,8 @@ fn a_stop_waits_for_no_slow_request_of_the_page() {
     page.evaluate(
         "import('/server.js').then(async ({ get, post }) => { const rig = await get('/api/rigs/servo-b-tuned'); \
          const ask = window.fetch; window.begun = 0; window.ended = 0; window.slow = new AbortController(); \
-         window.fetch = (path, options) => { begun += path === '/api/neighbours'; return ask(path, options); }; \
-         for (let k = 0; k < 12; k += 1) post('/api/neighbours', { ...rig, settings: ['test.duration_s=250'] }, slow.signal).finally(() => { ended += 1; }).catch(() => {}); })",
+         window.fetch = (path, options) => { begun += path === '/api/ensemble'; return ask(path, options); }; \
+         for (let k = 0; k < 12; k += 1) post('/api/ensemble', { ...rig, settings: ['test.duration_s=250'] }, slow.signal).finally(() => { ended += 1; }).catch(() => {}); })",
     );
     page.wait_until("begun >= 3");
     page.press("Escape", 27, false);

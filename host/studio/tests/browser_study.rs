@@ -292,16 +292,16 @@ fn a_point_that_is_not_sound_is_dashed_and_its_remarks_and_ranges_are_told() {
     let mut page = page();
     page.evaluate(
         "import('/parallel.js').then(({ parallelOf }) => { \
-         const row = (point, more) => ({ point, levels: { mass: point }, metrics: { overshoot: { value: 1, least: null, most: null } }, decided: true, fault: '', failure: '', allowed: true, ...more }); \
+         const row = (point, more) => ({ point, levels: { mass: point }, metrics: { overshoot: { value: 1, least: null, most: null } }, converged: true, fault: '', failure: '', allowed: true, ...more }); \
          const ranged = { overshoot: { value: 1, least: 0.5, most: 2 } }; \
          window.told = (...rows) => { const made = parallelOf({ rows, best: null }); \
          return [made.querySelector('[role=status]').textContent, ['.all:not(.doubtful)', '.all.doubtful'].map((kind) => made.querySelector(kind).getAttribute('d').split('M').length - 1)]; }; \
-         window.rows = [row(0), row(1, { decided: false, metrics: ranged }), row(2, { fault: 'overrun', allowed: false }), row(3, { allowed: false })]; })",
+         window.rows = [row(0), row(1, { converged: false, metrics: ranged }), row(2, { fault: 'overrun', allowed: false }), row(3, { allowed: false })]; })",
     );
     assert_eq!(page.evaluate("told(...rows)"), json!(["4 of 4 points selected", [1, 3]]));
     for (place, words) in [
         "mass 0, overshoot 1",
-        "mass 1, overshoot 1 (0.5 to 2), not decided",
+        "mass 1, overshoot 1 (0.5 to 2), not converged",
         "mass 2, overshoot 1, overrun",
         "mass 3, overshoot 1, breaks a constraint",
     ]

@@ -63,13 +63,13 @@ fn the_curves_and_figures_of_the_page_are_those_of_the_simulator() {
 }
 
 #[test]
-fn the_neighbours_tell_a_band_ranges_and_whether_the_run_is_decided() {
-    let answer = post_rig(&studio(), "/api/neighbours", "servo-b-tuned", &["test.duration_s=0.6"]);
+fn the_perturbed_runs_tell_a_band_ranges_and_whether_the_run_is_converged() {
+    let answer = post_rig(&studio(), "/api/ensemble", "servo-b-tuned", &["test.duration_s=0.6"]);
     let (head, time, _) = columns(&answer.body);
     let notes = head["notes"].as_array().expect("notes");
-    let decided = notes[1].as_str().expect("a sentence").starts_with("decided");
-    assert_eq!(head["decided"], json!(decided));
-    assert!(notes[2].as_str().is_some_and(|note| note.starts_with("7 neighbours")), "{notes:?}");
+    let converged = notes[1].as_str().expect("a sentence").starts_with("converged");
+    assert_eq!(head["converged"], json!(converged));
+    assert!(notes[2].as_str().is_some_and(|note| note.starts_with("7 perturbed runs")), "{notes:?}");
     // Each channel has its lowest and then its highest values.
     let names = head["columns"].as_array().expect("columns");
     assert_eq!(names[0], names[1]);

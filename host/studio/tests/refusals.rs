@@ -3,7 +3,7 @@
 mod visitor;
 
 use axum::http::{Method, StatusCode};
-use pneudrive_studio::guard::{MOST_BYTES, MOST_BYTES_OF_RECORD};
+use pneudrive_studio::guard::{MAX_BYTES, MAX_BYTES_OF_RECORD};
 use pneudrive_studio::token::Token;
 use pneudrive_studio::{Opened, Options, Studio};
 
@@ -16,7 +16,7 @@ const ROUTES: [(&str, &str); 17] = [
     ("GET", "/api/rigs/servo-a"),
     ("POST", "/api/check"),
     ("POST", "/api/run"),
-    ("POST", "/api/neighbours"),
+    ("POST", "/api/ensemble"),
     ("POST", "/api/save"),
     ("POST", "/api/compare"),
     ("POST", "/api/spectrum"),
@@ -122,8 +122,8 @@ fn a_body_that_is_not_json_is_refused() {
 #[test]
 fn a_body_longer_than_any_rig_file_is_refused() {
     let studio = studio();
-    for path in ["/api/check", "/api/run", "/api/neighbours", "/api/save", "/api/plan", "/api/study"] {
-        let body = serde_json::json!({ "name": "long", "text": "#".repeat(MOST_BYTES), "settings": [] });
+    for path in ["/api/check", "/api/run", "/api/ensemble", "/api/save", "/api/plan", "/api/study"] {
+        let body = serde_json::json!({ "name": "long", "text": "#".repeat(MAX_BYTES), "settings": [] });
         let answer = ask_as_page(&studio, Method::POST, path, Some(body));
         assert_eq!(answer.status, StatusCode::PAYLOAD_TOO_LARGE, "{path}");
     }
@@ -140,8 +140,8 @@ fn a_body_with_a_record_may_be_longer_and_is_bounded_as_well() {
             let body = serde_json::json!({ "name": "a rig", "text": "", "record": record });
             ask_as_page(&studio, Method::POST, path, Some(body)).status
         };
-        assert_eq!(status(MOST_BYTES), StatusCode::UNPROCESSABLE_ENTITY, "{path}: it is read");
-        assert_eq!(status(MOST_BYTES_OF_RECORD), StatusCode::PAYLOAD_TOO_LARGE, "{path}");
+        assert_eq!(status(MAX_BYTES), StatusCode::UNPROCESSABLE_ENTITY, "{path}: it is read");
+        assert_eq!(status(MAX_BYTES_OF_RECORD), StatusCode::PAYLOAD_TOO_LARGE, "{path}");
     }
 }
 

@@ -30,7 +30,7 @@ fn a_drive_that_no_page_commands_is_stopped_while_slow_requests_take_all_threads
     std::thread::spawn(move || studio.serve());
     let text = builtin("servo-b-tuned").expect("a built-in rig");
     let slow = json!({ "name": "servo-b-tuned", "text": text, "settings": [LONG] });
-    let mut slow: Vec<_> = (0..6).map(|_| asked(&host, "/api/neighbours", &slow)).collect();
+    let mut slow: Vec<_> = (0..6).map(|_| asked(&host, "/api/ensemble", &slow)).collect();
     // Connections are taken in their order, so an answer to one of these means that the slow requests are there.
     for _ in 0..3 {
         assert!(status(&mut asked(&host, "/api/port", &json!({}))).contains("405"));

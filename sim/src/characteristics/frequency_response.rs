@@ -10,7 +10,7 @@
 //! ```
 //!
 //! The response is measured on a grid of frequencies. Where its largest gain is, and where gain and phase pass a level,
-//! is then looked for between the neighbours on the grid, by more measurements.
+//! is then looked for between the perturbed runs on the grid, by more measurements.
 
 use crate::keys;
 use std::f64::consts::PI;
@@ -88,12 +88,12 @@ fn fundamental(values: &[f64]) -> Phasor {
 }
 
 /// The lowest frequency of the grid, Hz; its highest is three times the natural frequency of the spool, and this at
-/// least; two neighbours are so far apart.
+/// least; two perturbed runs are so far apart.
 const LOWEST_HZ: f64 = 2.0;
 const HIGHEST_HZ: f64 = 300.0;
 const APART: f64 = 1.133_4;
 
-/// A place between two neighbours is looked for until it is known to this part.
+/// A place between two perturbed runs is looked for until it is known to this part.
 const FOUND: f64 = 1e-3;
 
 /// Parts of a frequency and of a gain (dB) to which they are known: the response is within 0.2 % of a linear spool's.

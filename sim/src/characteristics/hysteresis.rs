@@ -18,7 +18,7 @@ pub(super) const ABOUT: &str = "spool over command, up and down (7.1.2.1, Fig. 7
 const LEVELS: i32 = 128;
 
 /// Each level is held for this long at least, s.
-const LEAST_DWELL: f64 = 0.02;
+const MIN_DWELL: f64 = 0.02;
 
 /// A loop: commands and where the spool is, both m, a branch each.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -52,8 +52,8 @@ pub fn sweep(rig: &Rig, dither: Dither, mut read: impl FnMut(&[f64]) -> f64) -> 
     let counts = |level: i32| (full * f64::from(level) / f64::from(LEVELS)).round() as i16;
     let mut present = 0;
     let mut bench = SpoolBench::new(rig, Some(dither));
-    let period = if dither.frequency_hz > 0.0 { 1.0 / dither.frequency_hz } else { LEAST_DWELL };
-    let dwell = period * (LEAST_DWELL.max(decay_s(rig)) / period).ceil();
+    let period = if dither.frequency_hz > 0.0 { 1.0 / dither.frequency_hz } else { MIN_DWELL };
+    let dwell = period * (MIN_DWELL.max(decay_s(rig)) / period).ceil();
     let mut branch = |levels: &mut dyn Iterator<Item = i32>| -> Result<Vec<(f64, f64)>, Unfit> {
         let mut places = Vec::new();
         for level in levels {

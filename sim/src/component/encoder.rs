@@ -24,7 +24,7 @@ use crate::random::normal;
 use crate::values::{Findings, Rig};
 
 /// The widest word or converter.
-pub const MOST_BITS: i64 = 30;
+pub const MAX_BITS: i64 = 30;
 
 /// The longest count that the controller's picometres hold, mm.
 const LONGEST_COUNT_MM: f64 = 2.0;
@@ -59,7 +59,7 @@ keys! {
     MODEL: Model = choice("encoder.model", "", "quadrature counts edges, and the axis must be homed. potentiometer, on a converter, and ssi, an encoder with a synchronous serial interface, are absolute: the axis is homed when the drive starts.");
     MM_PER_COUNT: f64 = number("encoder.mm_per_count", 0.01205, 1e-6, 2.0, "C(42)", "Stroke per encoder count.").of(&["quadrature", "ssi"]);
     POLARITY: i64 = integer("encoder.polarity", 1, -1, 1, "", "-1: the encoder counts down when the rod extends (a matter of wiring; the twin always counts up).");
-    BITS: Option<i64> = other("encoder.bits", Kind::Integer { min: 8, max: MOST_BITS }, Preset::Absent("12 of a potentiometer, 24 with SSI"), "", "Width of the potentiometer's converter, or of the encoder's word.").of(&["potentiometer", "ssi"]);
+    BITS: Option<i64> = other("encoder.bits", Kind::Integer { min: 8, max: MAX_BITS }, Preset::Absent("12 of a potentiometer, 24 with SSI"), "", "Width of the potentiometer's converter, or of the encoder's word.").of(&["potentiometer", "ssi"]);
     ZERO_MM: f64 = number("encoder.zero_mm", 0.0, -20_000.0, 20_000.0, "", "Position at which an absolute encoder reads 0: a little below 0, with a range a little longer than the stroke, keeps both ends of the stroke within the range.").of(&["potentiometer", "ssi"]);
     RANGE_MM: Option<f64> = optional_number("encoder.range_mm", 1.0, 40_000.0, "from zero_mm to the end of the stroke", "", "Length that an absolute encoder measures; a potentiometer divides it into 2^bits - 1 counts.").of(&["potentiometer", "ssi"]);
     LINEARITY_PERCENT: f64 = number("encoder.linearity_percent", 0.0, 0.0, 5.0, "", "Largest deviation from the straight line through both ends, part of the range; the controller does not know it.").of(&["potentiometer", "ssi"]);
@@ -137,7 +137,7 @@ fn range_mm(rig: &Rig) -> f64 {
 #[must_use]
 pub fn bits(rig: &Rig) -> i64 {
     let usual = if rig.get(&keys::MODEL) == Model::Potentiometer { 12 } else { 24 };
-    rig.get(&keys::BITS).unwrap_or(usual).clamp(1, MOST_BITS)
+    rig.get(&keys::BITS).unwrap_or(usual).clamp(1, MAX_BITS)
 }
 
 fn largest_count(rig: &Rig) -> f64 {

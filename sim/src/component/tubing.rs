@@ -200,7 +200,7 @@ impl Tube {
     #[must_use]
     pub fn analytical(gas: &Gas, length_m: f64, diameter_m: f64, fanning_friction_factor: f64) -> Tube {
         let span = 4.0 * fanning_friction_factor * length_m / diameter_m;
-        if span < pipe::LEAST_SPAN {
+        if span < pipe::MIN_SPAN {
             return Tube::none();
         }
         Tube(Drop::Analytical(Pipe::new(*gas, span, diameter_m)))

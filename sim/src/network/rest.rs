@@ -10,7 +10,7 @@
 //! ```
 //!
 //! leads to t at once, through zero as well, and is the tangent 2|m| at the solution. How near a node
-//! comes to its neighbours ends at the last digit of its pressure: flows of 1e-10 kg/s are its rounding.
+//! comes to its perturbed runs ends at the last digit of its pressure: flows of 1e-10 kg/s are its rounding.
 //!
 //! Where the valve leaks, a chamber at rest still has air on its way from supply to exhaust, and its flow
 //! follows the pressure with a finite slope. Beside a land that is shut nothing flows in the end, and the

@@ -25,7 +25,7 @@ impl Default for Accuracy {
 
 impl Accuracy {
     /// What a run of a rig needs. In a closed loop a count that flips makes another transient, so that it is
-    /// integrated until that is rare (see [`crate::decision`]).
+    /// integrated until that is rare (see [`crate::convergence`]).
     #[must_use]
     pub fn of(rig: &Rig) -> Accuracy {
         match rig.get(&keys::controller::LOOP) {
@@ -47,21 +47,21 @@ impl Accuracy {
     /// What a run needs that shows what a relative change `apart` of mass and starting position may do: its error is to be
     /// small beside the change (docs/agreement.md).
     #[must_use]
-    pub fn of_neighbour(rig: &Rig, apart: f64) -> Accuracy {
+    pub fn of_member(rig: &Rig, apart: f64) -> Accuracy {
         let motion = Accuracy::of_motion(rig);
         Accuracy { tolerance: motion.tolerance * (apart / NEAREST).max(1.0), ..motion }
     }
 
     /// What a run needs that is one of many draws: another transient of the same drive is as good, and draws are farther
-    /// apart than neighbours.
+    /// apart than perturbed runs.
     #[must_use]
     pub fn of_draw(rig: &Rig) -> Accuracy {
-        Accuracy::of_neighbour(rig, NEIGHBOURS_APART)
+        Accuracy::of_member(rig, PERTURBATION)
     }
 }
 
-/// The usual relative change of neighbours.
-pub const NEIGHBOURS_APART: f64 = 1e-5;
+/// The usual relative change of perturbed runs.
+pub const PERTURBATION: f64 = 1e-5;
 
 /// A relative change beside which the error of a motion is small.
 const NEAREST: f64 = 3e-7;

@@ -29,7 +29,7 @@ use crate::EncoderCounter;
 const CHIP: &str = "SSI encoder";
 
 /// Most bits: with one in front and one behind they fit 32 clocks.
-pub const MOST_BITS: u8 = 30;
+pub const MAX_BITS: u8 = 30;
 
 /// How an encoder puts its position on the line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,9 +49,9 @@ pub struct SsiEncoder<SPI> {
 }
 
 impl<SPI: SpiDevice> SsiEncoder<SPI> {
-    /// An encoder of so many bits; None for less than one and more than [`MOST_BITS`].
+    /// An encoder of so many bits; None for less than one and more than [`MAX_BITS`].
     pub fn new(spi: SPI, bits: u8, coding: Coding) -> Option<SsiEncoder<SPI>> {
-        (1..=MOST_BITS).contains(&bits).then_some(SsiEncoder { spi, bits, coding })
+        (1..=MAX_BITS).contains(&bits).then_some(SsiEncoder { spi, bits, coding })
     }
 
     /// Gives the bus back.

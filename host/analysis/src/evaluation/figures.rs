@@ -1,4 +1,4 @@
-//! The figures of a move, for a single run or over the run and its neighbours.
+//! The figures of a move, for a single run or over the run and its perturbed runs.
 
 use serde_json::{Map, Value, json};
 
@@ -45,7 +45,7 @@ pub(super) const TOP_SPEED: Figure = Figure {
 /// A move in each of several runs, the run's own first; None where a run broke off before it.
 pub(super) type InRuns<'a> = Vec<Option<&'a Move>>;
 
-/// Each move of a run with what its neighbours make of it; `runs` has the moves of each, the run's own first.
+/// Each move of a run with what its perturbed runs make of it; `runs` has the moves of each, the run's own first.
 pub(super) fn in_runs(runs: &[Vec<Move>]) -> impl Iterator<Item = InRuns<'_>> {
     let own = runs.first().map_or(0, Vec::len);
     (0..own).map(|number| runs.iter().map(|moves| moves.get(number)).collect())
@@ -69,7 +69,7 @@ pub(super) fn endings(moves: &[Option<&Move>]) -> [usize; 3] {
     counts
 }
 
-/// The moves of a run and of its neighbours as run.json has them; `runs` has the moves of each, the run's own first.
+/// The moves of a run and of its perturbed runs as run.json has them; `runs` has the moves of each, the run's own first.
 #[must_use]
 pub fn to_json(runs: &[Vec<Move>]) -> Value {
     in_runs(runs).map(|moves| one_to_json(&moves)).collect()

@@ -5,7 +5,7 @@ use super::{Air, Doubt, LimitCycle, Move};
 use crate::page::Table;
 use crate::range::Range;
 
-/// The moves of a run as a table; `runs` has the moves of the run and then those of each of its neighbours. Below a
+/// The moves of a run as a table; `runs` has the moves of the run and then those of each of its perturbed runs. Below a
 /// move stand the least and the most over all of them, where they differ from it in the digits that are shown.
 #[must_use]
 pub fn table(runs: &[Vec<Move>], tolerance_mm: f64) -> Table {
@@ -112,7 +112,7 @@ fn air(moves: &InRuns) -> Cell {
 }
 
 /// What the limit cycles of moves rest on, a sentence each: why one is not decidable, what none means, and where
-/// neighbours end otherwise than the run. `runs` has the moves of each, the run's own first.
+/// perturbed runs end otherwise than the run. `runs` has the moves of each, the run's own first.
 #[must_use]
 pub fn remarks(runs: &[Vec<Move>]) -> Vec<String> {
     let Some(moves) = runs.first() else { return Vec::new() };

@@ -3,8 +3,8 @@
 //! | key | is |
 //! |---|---|
 //! | `rig` | a built-in rig, or a rig file beside this one |
-//! | `settled_mm`, `tolerance` | 0.05, and the allowed error of a step of the integrator: what the drive needs, of draws what a neighbour needs |
-//! | `ensemble` | 1; with more, each point is run with neighbours, and its metrics are ranges over them; not with `[draw]` |
+//! | `settled_mm`, `tolerance` | 0.05, and the allowed error of a step of the integrator: what the drive needs, of draws what a perturbed run needs |
+//! | `ensemble` | 1; with more, each point is run with perturbed runs, and its metrics are ranges over them; not with `[draw]` |
 //! | `[set]` | keys of the rig that all points have in common |
 //! | `[vary]` | a key and what it takes on (`file/vary.rs`) |
 //! | `[draw]` | `count` of draws of the distributions, `seed` = 1, `method` = "latin-hypercube" or "random" |
@@ -47,7 +47,7 @@ const MAX_POINTS: usize = 1_000_000;
 const MAX_RUNS: usize = 1000;
 
 /// Columns of a result that no metric can have.
-const TAKEN: [&str; 4] = ["point", "decided", "fault", "failure"];
+const TAKEN: [&str; 4] = ["point", "converged", "fault", "failure"];
 
 impl Sweep {
     /// Reads the file of a sweep; `find_rig` gives the rig that it names.
@@ -120,7 +120,7 @@ impl Sweep {
     }
 }
 
-/// Why draws have no neighbours.
+/// Why draws have no perturbed runs.
 const DRAWS: &str = "draws are already an ensemble; remove ensemble";
 
 impl Reader<'_> {

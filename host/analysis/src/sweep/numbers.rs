@@ -24,7 +24,7 @@ pub fn to_json(sweep: &Sweep, rows: &[Row]) -> Value {
             "point": row.point,
             "levels": levels(row),
             "metrics": metrics(row),
-            "decided": row.decided,
+            "converged": row.converged,
             "fault": row.fault,
             "failure": row.failure,
             "allowed": sweep.allows(row),

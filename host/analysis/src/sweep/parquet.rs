@@ -5,7 +5,7 @@
 //! | `point` | INT64 |
 //! | what varies | DOUBLE, or text where a level is a word |
 //! | metrics and the ends of their ranges | DOUBLE, null where the run does not show it |
-//! | `decided` | BOOLEAN, null of a point without a run |
+//! | `converged` | BOOLEAN, null of a point without a run |
 //! | `fault`, `failure` | text |
 
 use std::sync::Arc;
@@ -17,7 +17,7 @@ use parquet::file::properties::WriterProperties;
 use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
 use parquet::schema::types::{Type, TypePtr};
 
-use super::{Axis, DECIDED, Row, Sweep};
+use super::{Axis, CONVERGED, Row, Sweep};
 
 /// The bytes of the file.
 ///
@@ -53,7 +53,7 @@ fn schema(sweep: &Sweep) -> Result<TypePtr> {
         if axis.is_named() { text(&axis.name) } else { number(&axis.name, Repetition::REQUIRED) }
     };
     let figure = |name: &String| {
-        if name == DECIDED { switch(name) } else { number(name, Repetition::OPTIONAL) }
+        if name == CONVERGED { switch(name) } else { number(name, Repetition::OPTIONAL) }
     };
     let point =
         Type::primitive_type_builder("point", Physical::INT64).with_repetition(Repetition::REQUIRED).build();
@@ -133,8 +133,8 @@ fn put_numbers(
 }
 
 fn put_switches(column: &mut SerializedColumnWriter<'_>, rows: &[Row]) -> Result<()> {
-    let values: Vec<bool> = rows.iter().filter_map(|row| row.decided).collect();
-    let there: Vec<i16> = rows.iter().map(|row| i16::from(row.decided.is_some())).collect();
+    let values: Vec<bool> = rows.iter().filter_map(|row| row.converged).collect();
+    let there: Vec<i16> = rows.iter().map(|row| i16::from(row.converged.is_some())).collect();
     column.typed::<BoolType>().write_batch(&values, Some(&there), None)?;
     Ok(())
 }
@@ -170,8 +170,16 @@ mod tests {
     /// The fields of a point's row.
     fn expected(point: i64, mass: f64, valve: &str, metric: Field, fault: &str) -> Vec<Field> {
         let words = |text: &str| Field::Str(text.to_owned());
-        let decided = Field::Bool(point == 0);
-        vec![Field::Long(point), Field::Double(mass), words(valve), metric, decided, words(fault), words("")]
+        let converged = Field::Bool(point == 0);
+        vec![
+            Field::Long(point),
+            Field::Double(mass),
+            words(valve),
+            metric,
+            converged,
+            words(fault),
+            words(""),
+        ]
     }
 
     #[test]
@@ -182,7 +190,7 @@ mod tests {
             levels: sweep.levels(point).into_iter().map(str::to_owned).collect(),
             metrics: vec![metric],
             ends: Vec::new(),
-            decided: Some(point == 0),
+            converged: Some(point == 0),
             fault: fault.to_owned(),
             failure: String::new(),
         };

@@ -25,8 +25,8 @@ pub struct Row {
     pub metrics: Vec<Option<f64>>,
     /// Least and most of each metric over an ensemble, if every run has a value; empty without an ensemble.
     pub ends: Vec<Option<[f64; 2]>>,
-    /// Whether the point is decided; None of a draw, and of one without a run.
-    pub decided: Option<bool>,
+    /// Whether the point is converged; None of a draw, and of one without a run.
+    pub converged: Option<bool>,
     /// Name of the fault that ended the run, or "".
     pub fault: String,
     /// Why there is no run, or "".
@@ -40,12 +40,13 @@ impl Row {
         let number = |value: f64| format!("{value:?}");
         let one = |value: &Option<f64>| value.map_or_else(String::new, number);
         let two = |ends: &Option<[f64; 2]>| ends.map_or_else(Default::default, |ends| ends.map(number));
-        let decided = (!sweep.is_drawn()).then(|| self.decided.map_or("", |yes| if yes { YES } else { NO }));
+        let converged =
+            (!sweep.is_drawn()).then(|| self.converged.map_or("", |yes| if yes { YES } else { NO }));
         let plain = !self.failure.contains([',', '"']);
         let failure =
             if plain { self.failure.clone() } else { format!("\"{}\"", self.failure.replace('"', "\"\"")) };
         let cells = self.levels.iter().cloned().chain(self.metrics.iter().map(one));
-        let cells = cells.chain(self.ends.iter().flat_map(two)).chain(decided.map(str::to_owned));
+        let cells = cells.chain(self.ends.iter().flat_map(two)).chain(converged.map(str::to_owned));
         let cells = cells.chain([self.fault.clone(), failure]);
         cells.fold(self.point.to_string(), |line, cell| line + "," + &cell)
     }
@@ -58,7 +59,7 @@ impl Row {
         let [point, values @ .., fault, failure] = cells.as_slice() else { return None };
         let (levels, figures) = values.split_at_checked(sweep.axes.len())?;
         let (metrics, figures) = figures.split_at_checked(sweep.metrics.len())?;
-        let (ends, decided) = figures.split_at_checked(figures.len() - usize::from(!sweep.is_drawn()))?;
+        let (ends, converged) = figures.split_at_checked(figures.len() - usize::from(!sweep.is_drawn()))?;
         let one = |cell: &str| if cell.is_empty() { Some(None) } else { cell.parse().ok().map(Some) };
         let two =
             |cells: &[&str]| Some(one(cells[0])?.zip(one(cells[1])?).map(|(least, most)| [least, most]));
@@ -68,7 +69,7 @@ impl Row {
             levels: levels.iter().map(|level| (*level).to_owned()).collect(),
             metrics: metrics.iter().map(|cell| one(cell)).collect::<Option<_>>()?,
             ends: ends.chunks_exact(2).map(two).collect::<Option<_>>()?,
-            decided: decided.first().filter(|cell| !cell.is_empty()).map(|cell| *cell == YES),
+            converged: converged.first().filter(|cell| !cell.is_empty()).map(|cell| *cell == YES),
             fault: (*fault).to_owned(),
             failure: quoted.map_or_else(|| (*failure).to_owned(), |text| text.replace("\"\"", "\"")),
         })
@@ -81,14 +82,14 @@ impl Row {
             levels: sweep.levels(point).into_iter().map(str::to_owned).collect(),
             metrics: vec![None; sweep.metrics.len()],
             ends: vec![None; if sweep.ensemble > 1 { sweep.metrics.len() } else { 0 }],
-            decided: None,
+            converged: None,
             fault: String::new(),
             failure: failure.replace('\n', "; "),
         }
     }
 }
 
-/// A point that is decided, in the result.
+/// A point that is converged, in the result.
 const YES: &str = "yes";
 
 /// And one that is not.
@@ -132,22 +133,22 @@ impl Points<'_> {
         let ensemble = run_ensemble(rig, accuracy, spacing, measure, |_, _| {});
         let Ensemble { nominal, measured } = ensemble.map_err(|error| format!("{error:#}"))?;
         let row = row(sweep, point, &nominal.run, &measured)?;
-        let of_neighbour =
-            nominal.lost.tripped.first().map(|fault| format!("{} of a neighbour", fault_name(*fault)));
+        let of_member =
+            nominal.lost.tripped.first().map(|fault| format!("{} of a perturbed run", fault_name(*fault)));
         Ok(Row {
-            decided: Some(nominal.decision.is_decided()),
-            fault: if row.fault.is_empty() { of_neighbour.unwrap_or_default() } else { row.fault },
+            converged: Some(nominal.convergence.is_converged()),
+            fault: if row.fault.is_empty() { of_member.unwrap_or_default() } else { row.fault },
             failure: nominal
                 .lost
                 .failed
                 .first()
-                .map_or_else(String::new, |why| format!("a neighbour: {why}")),
+                .map_or_else(String::new, |why| format!("a perturbed run: {why}")),
             ..row
         })
     }
 }
 
-/// The row of a run; `moves` has its own, and then those of its neighbours.
+/// The row of a run; `moves` has its own, and then those of its perturbed runs.
 fn row(sweep: &Sweep, point: usize, run: &Run, moves: &[Vec<Move>]) -> Result<Row, String> {
     let over_runs = |metric: &Metric| -> Result<Range, String> {
         let values = moves.iter().map(|moves| metric.value(moves, sweep.settled_mm));

@@ -55,8 +55,8 @@ pub fn count(sweep: &Sweep, rows: &[Row]) -> String {
     let tripped = rows.iter().filter(|row| !row.fault.is_empty()).count();
     let allowed = rows.iter().filter(|row| sweep.allows(row)).count();
     let allowed = if sweep.constraints.is_empty() { String::new() } else { format!(", {allowed} allowed") };
-    let undecided = rows.iter().filter(|row| row.decided == Some(false)).count();
-    let rest = of("ended by a fault", tripped) + &of("failed", failed) + &of("not decided", undecided);
+    let unconverged = rows.iter().filter(|row| row.converged == Some(false)).count();
+    let rest = of("ended by a fault", tripped) + &of("failed", failed) + &of("not converged", unconverged);
     format!("{} points{allowed}{rest}.", rows.len())
 }
 
@@ -78,11 +78,11 @@ pub fn best(sweep: &Sweep, rows: &[Row]) -> Table {
     let levels = sweep.axes.iter().zip(&best.levels).map(|(axis, level)| row(&axis.name, level.clone()));
     let metrics = sweep.metrics.iter().enumerate();
     let metrics = metrics.map(|(place, metric)| row(&metric.name, in_range(best, place)));
-    let decided = best.decided.map(|yes| row("decided", if yes { "yes" } else { "no" }.to_owned()));
+    let converged = best.converged.map(|yes| row("converged", if yes { "yes" } else { "no" }.to_owned()));
     Table {
         heading: format!("the best point ({aim})"),
         columns: row("", format!("point {}", best.point)),
-        rows: levels.chain(metrics).chain(decided).collect(),
+        rows: levels.chain(metrics).chain(converged).collect(),
     }
 }
 

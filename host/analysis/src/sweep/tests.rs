@@ -45,14 +45,14 @@ fn another_goal_or_comment_is_the_same_sweep_and_another_value_is_not() {
 }
 
 #[test]
-fn draws_are_as_exact_as_neighbours_single_rigs_as_a_run_and_all_as_the_file_says() {
+fn draws_are_as_exact_as_perturbed_runs_single_rigs_as_a_run_and_all_as_the_file_says() {
     let tolerance = |text: &str| {
         let sweep = sweep(text);
         sweep.accuracy_for(&sweep.rig).tolerance
     };
     let drawn = "[draw]\ncount = 3\n[vary]\nload.mass_kg = { uniform = [1, 2] }";
     let rig = Rig::builtin("servo-b-tuned").expect("a built-in rig");
-    assert_eq!(tolerance(drawn), Accuracy::of_neighbour(&rig, 1e-5).tolerance);
+    assert_eq!(tolerance(drawn), Accuracy::of_member(&rig, 1e-5).tolerance);
     assert_eq!(tolerance("[vary]\nload.mass_kg = [1, 2]"), Accuracy::of(&rig).tolerance);
     assert_eq!(tolerance(&format!("tolerance = 1e-10\n{drawn}")), 1e-10);
 }
@@ -65,7 +65,7 @@ fn a_row_reads_back_as_it_was_in_every_bit() {
         levels: vec!["2".to_owned()],
         metrics: vec![Some(0.1 + 0.2)],
         ends: Vec::new(),
-        decided: Some(true),
+        converged: Some(true),
         fault: String::new(),
         failure: "no, \"never\"".to_owned(),
     };
@@ -73,7 +73,7 @@ fn a_row_reads_back_as_it_was_in_every_bit() {
     assert_eq!(Row::of_csv(&sweep, &row.to_csv(&sweep)), Some(row.clone()));
     let empty = Row {
         metrics: vec![None],
-        decided: None,
+        converged: None,
         failure: String::new(),
         fault: "no-motion".to_owned(),
         ..row
@@ -91,7 +91,7 @@ fn the_best_point_is_the_least_of_the_allowed_ones() {
         levels: vec!["1".to_owned()],
         metrics: vec![air],
         ends: Vec::new(),
-        decided: None,
+        converged: None,
         fault: fault.to_owned(),
         failure: String::new(),
     };
@@ -113,7 +113,7 @@ fn the_combination_with_the_most_allowed_draws_comes_first_whatever_its_best_dra
         levels: sweep.levels(point).into_iter().map(str::to_owned).collect(),
         metrics: vec![air],
         ends: Vec::new(),
-        decided: None,
+        converged: None,
         fault: String::new(),
         failure: String::new(),
     };
@@ -129,13 +129,13 @@ fn a_constraint_is_kept_over_the_whole_range_or_not_at_all() {
     let text = "ensemble = 8\n[objective]\nminimise = \"air\"\n[constraints]\nair = { min = 0.1, max = 1.0 }\n\
         [vary]\nload.mass_kg = [1, 2, 3, 4, 5]";
     let sweep = sweep(text);
-    assert_eq!(sweep.header(), "point,load.mass_kg,air,air_least,air_most,decided,fault,failure");
+    assert_eq!(sweep.header(), "point,load.mass_kg,air,air_least,air_most,converged,fault,failure");
     let row = |(point, ends): (usize, Option<[f64; 2]>)| Row {
         point,
         levels: vec!["1".to_owned()],
         metrics: vec![Some(0.5)],
         ends: vec![ends],
-        decided: Some(true),
+        converged: Some(true),
         fault: String::new(),
         failure: String::new(),
     };
@@ -156,7 +156,7 @@ fn a_metric_that_no_point_shows_has_no_graph_and_the_page_says_so() {
         levels: vec!["1".to_owned()],
         metrics: vec![air],
         ends: Vec::new(),
-        decided: Some(true),
+        converged: Some(true),
         fault: String::new(),
         failure: String::new(),
     };

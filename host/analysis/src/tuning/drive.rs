@@ -3,7 +3,7 @@
 use anyhow::{Result, anyhow};
 
 use super::search::{Budget, Outcome, search};
-use super::trial::{NEIGHBOURS, Trial};
+use super::trial::{MEMBERS, Trial};
 use super::{Found, Performance, Space, Task, Variant, fixed};
 use crate::parallel;
 use crate::wanted::{CALLED_OFF, Wanted};
@@ -13,7 +13,7 @@ use crate::wanted::{CALLED_OFF, Wanted};
 pub enum Stage {
     /// Looks for gains.
     Search,
-    /// Holds the best few against the neighbours of the file's rig.
+    /// Holds the best few against the perturbed runs of the file's rig.
     Finalists,
     /// Judges them on fresh draws.
     Draws,
@@ -150,18 +150,18 @@ impl Drive<'_> {
         costs
     }
 
-    /// A candidate of the last generation, or the gains of the file, on what it was tuned on and on the neighbours of
+    /// A candidate of the last generation, or the gains of the file, on what it was tuned on and on the perturbed runs of
     /// the file's rig.
     pub fn finalist(&self, shares: Option<&[f64]>, tuned_on: &[Variant], meter: &mut Meter) -> Found {
         let settings = shares.map_or_else(Vec::new, |shares| self.space.settings(shares));
         let places = shares.map_or_else(Vec::new, |shares| self.space.places(shares));
         let performances = self.judged(&settings, tuned_on, meter);
-        let neighbours =
-            if self.wanted.now() { self.trial.neighbours(&settings) } else { Err(anyhow!(CALLED_OFF)) };
-        meter.runs += NEIGHBOURS;
-        meter.done(NEIGHBOURS);
-        let neighbours = neighbours.unwrap_or_else(|error| vec![Performance::failed(format!("{error:#}"))]);
-        Found { settings, places, tuned_on: performances, neighbours, fresh: Vec::new() }
+        let members =
+            if self.wanted.now() { self.trial.members(&settings) } else { Err(anyhow!(CALLED_OFF)) };
+        meter.runs += MEMBERS;
+        meter.done(MEMBERS);
+        let members = members.unwrap_or_else(|error| vec![Performance::failed(format!("{error:#}"))]);
+        Found { settings, places, tuned_on: performances, members, fresh: Vec::new() }
     }
 
     /// Gains on every variant.

@@ -43,7 +43,7 @@ pub(super) fn search(
         let fresh = without.judged(&settings, fresh, meter);
         Ok(LimitingImperfection {
             suspect,
-            found: Found { settings, places, tuned_on, neighbours: Vec::new(), fresh },
+            found: Found { settings, places, tuned_on, members: Vec::new(), fresh },
         })
     };
     suspects.into_iter().map(found).collect()
@@ -138,7 +138,7 @@ fn of_sampling(rig: &Rig) -> Vec<Suspect> {
 /// The keys of an encoder four times as fine; None where its word would have more bits than there are.
 fn finer_encoder(rig: &Rig) -> Option<Vec<String>> {
     let bits = encoder::bits(rig) + 2;
-    let wider = (bits <= encoder::MOST_BITS).then(|| format!("encoder.bits={bits}"));
+    let wider = (bits <= encoder::MAX_BITS).then(|| format!("encoder.bits={bits}"));
     let shorter = times(rig, "encoder.mm_per_count", 0.25);
     match rig.get(&keys::encoder::MODEL) {
         encoder::Model::Quadrature => Some(vec![shorter]),

@@ -66,7 +66,7 @@ pub fn page(task: &Task, tuned: &Tuned, behaviour: &Behaviour) -> Result<(Page, 
 pub fn shown(tuned: &Tuned, behaviour: &Behaviour, goal: &Goal) -> Vec<Table> {
     let mut tables = vec![
         tables::judged(tuned, goal),
-        tables::neighbours(tuned, goal),
+        tables::members(tuned, goal),
         tables::along_the_stroke(&behaviour.steps, goal),
         sines::errors(&behaviour.sines),
         sines::shares(&behaviour.sines),
@@ -106,14 +106,14 @@ pub fn verdict(task: &Task, tuned: &Tuned) -> String {
     )
 }
 
-/// Whether the rig of the file meets the goal, and its neighbours with it.
+/// Whether the rig of the file meets the goal, and its perturbed runs with it.
 fn nominal(task: &Task, tuned: &Tuned) -> String {
-    let seen = task.goal.met_in(&tuned.after.neighbours);
+    let seen = task.goal.met_in(&tuned.after.members);
     let how = match seen.met {
-        0 => "does not meet it, nor does any of its neighbours".to_owned(),
-        all if all == seen.of => format!("meets it, and so do its {} neighbours", seen.of - 1),
+        0 => "does not meet it, nor does any of its perturbed runs".to_owned(),
+        all if all == seen.of => format!("meets it, and so do its {} perturbed runs", seen.of - 1),
         some => format!(
-            "is not decided: it and its neighbours, which differ very slightly, meet it in {some} of {} runs",
+            "is not converged: it and its perturbed runs, which differ very slightly, meet it in {some} of {} runs",
             seen.of
         ),
     };

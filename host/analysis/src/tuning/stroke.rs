@@ -1,22 +1,22 @@
-//! The step along the stroke: at five places, with the gains that were found, on the rig of the file and its neighbours.
+//! The step along the stroke: at five places, with the gains that were found, on the rig of the file and its perturbed runs.
 
 use anyhow::Result;
 
-use super::trial::{NEIGHBOURS, Trial};
+use super::trial::{MEMBERS, Trial};
 use super::{Performance, Task, Tuned, Variant};
 
 /// Parts of the way that the drive has besides the step.
 const PLACES: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
 
 /// Runs that it takes at most.
-pub(super) const RUNS: usize = PLACES.len() * NEIGHBOURS;
+pub(super) const RUNS: usize = PLACES.len() * MEMBERS;
 
 /// The step at a place.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AtPlace {
     /// From where to where it goes, and back, mm.
     pub ends_mm: [f64; 2],
-    /// On the rig of the file, first, and on its neighbours.
+    /// On the rig of the file, first, and on its perturbed runs.
     pub runs: Vec<Performance>,
 }
 
@@ -31,7 +31,7 @@ pub fn along_the_stroke(task: &Task, tuned: &Tuned) -> Result<Vec<AtPlace>> {
         let variant = Variant { place, ..Variant::NOMINAL };
         let ends_mm = trial.ends_mm(&variant);
         if steps.iter().all(|step| step.ends_mm != ends_mm) {
-            steps.push(AtPlace { ends_mm, runs: trial.neighbours_of(&tuned.after.settings, &variant)? });
+            steps.push(AtPlace { ends_mm, runs: trial.members_of(&tuned.after.settings, &variant)? });
         }
     }
     Ok(steps)

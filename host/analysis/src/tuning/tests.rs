@@ -177,7 +177,7 @@ fn gains_cost_less_the_more_trials_meet_the_goal() {
     let slow = performance(step(), Move { settling_s: Some(1.0), ..step() });
     let cost = |all: &[&Performance]| {
         let tuned_on = all.iter().map(|&one| one.clone()).collect();
-        Found { settings: vec![], places: vec![], tuned_on, neighbours: vec![], fresh: vec![] }.cost(&GOAL)
+        Found { settings: vec![], places: vec![], tuned_on, members: vec![], fresh: vec![] }.cost(&GOAL)
     };
     assert!((good.cost(&GOAL) - 0.4 / 1.5).abs() < 1e-12);
     assert!(good.cost(&GOAL) < slow.cost(&GOAL) && slow.cost(&GOAL) < 1.0);
@@ -259,7 +259,7 @@ fn the_same_gains_are_found_on_any_number_of_threads_and_they_are_no_worse_than_
     assert!(one.after.cost(&task.goal) <= one.before.cost(&task.goal));
     assert!(one.progress.is_sorted_by(|a, b| a >= b));
     assert!(one.runs > 4 * 3, "{}", one.runs);
-    assert_eq!((one.after.fresh.len(), one.after.neighbours.len()), (4, 8));
+    assert_eq!((one.after.fresh.len(), one.after.members.len()), (4, 8));
 
     let text = report::rig_file(&task, &one).expect("TOML");
     let tuned = Rig::read("tuned.toml", &text).unwrap_or_else(|problems| panic!("{problems}"));

@@ -5,7 +5,7 @@
 //!
 //! | run on | shows |
 //! |---|---|
-//! | the rig of the file and its neighbours | the figures with their range, and what limits them ([`limit`]) |
+//! | the rig of the file and its perturbed runs | the figures with their range, and what limits them ([`limit`]) |
 //! | the first of the fresh draws | the range over the spread of load, friction and supply |
 //!
 //! `tune` looks for no feed-forward. Where the file has none, the sines are also followed with as much of it as there is feedback,
@@ -18,7 +18,7 @@ use anyhow::Result;
 use pneudrive_sim::{Rig, keys};
 
 use super::drive::{Meter, Stage};
-use super::trial::{DWELL_S, NEIGHBOURS, Trial};
+use super::trial::{DWELL_S, MEMBERS, Trial};
 use super::{Progress, Task, Tuned, Variant};
 use crate::parallel;
 use crate::wanted::{CALLED_OFF, Wanted};
@@ -51,7 +51,7 @@ pub struct Tracked {
     pub gains: Gains,
     /// They as `key=value`, where they are not those of the file.
     pub settings: Vec<String>,
-    /// On the rig of the file, first, and on its neighbours; of a run that did not come to its end, why.
+    /// On the rig of the file, first, and on its perturbed runs; of a run that did not come to its end, why.
     pub runs: Vec<Result<Following, String>>,
     /// On fresh draws.
     pub draws: Vec<Result<Following, String>>,
@@ -72,15 +72,15 @@ pub fn tracked(
     let draws = &tuned.fresh[..tuned.fresh.len().min(DRAWS)];
     let all = gains(&trial, tuned)?;
     let mut meter = Meter::new(&mut progress);
-    meter.begin(Stage::Sines, FREQUENCIES_HZ.len() * all.len() * (NEIGHBOURS + draws.len()));
+    meter.begin(Stage::Sines, FREQUENCIES_HZ.len() * all.len() * (MEMBERS + draws.len()));
     let mut tracked = Vec::new();
     for frequency_hz in FREQUENCIES_HZ {
         let sine = Sine::of(&trial, frequency_hz);
         for (gains, settings) in all.iter().take_while(|_| wanted.now()) {
             let nominal = trial.rig_on(&sine.course(), settings, &Variant::NOMINAL)?;
             let follow = |rig: &Rig, run: &_| Following::of(&sine, rig, run);
-            let runs = Trial::measure_neighbours(&nominal, follow)?;
-            meter.done(NEIGHBOURS);
+            let runs = Trial::measure_members(&nominal, follow)?;
+            meter.done(MEMBERS);
             let on_draw = |draw: &Variant| {
                 if wanted.now() { on_draw(&trial, &sine, settings, draw) } else { Err(CALLED_OFF.to_owned()) }
             };
@@ -96,7 +96,7 @@ pub fn tracked(
 pub fn steps_worth(task: &Task) -> f64 {
     let sines: f64 = FREQUENCIES_HZ.iter().map(|hz| sine::lasts_s(*hz)).sum();
     let step = DWELL_S + 2.0 * task.goal.time_s;
-    sines / step * (3 * (NEIGHBOURS + task.draws.min(DRAWS))) as f64
+    sines / step * (3 * (MEMBERS + task.draws.min(DRAWS))) as f64
 }
 
 fn on_draw(trial: &Trial, sine: &Sine, gains: &[String], draw: &Variant) -> Result<Following, String> {

@@ -18,8 +18,8 @@ use crate::evaluation::{Motion, Move, moves};
 use crate::runners::Runners;
 use crate::transient::Transient;
 
-/// Runs of the file's rig and its neighbours.
-pub(super) const NEIGHBOURS: usize = 8;
+/// Runs of the file's rig and its perturbed runs.
+pub(super) const MEMBERS: usize = 8;
 
 /// Before it moves the drive holds for so long, s.
 pub(super) const DWELL_S: f64 = 0.1;
@@ -37,9 +37,9 @@ const SCHEDULE: [&str; 9] = [
     "pre_trigger",
 ];
 
-/// The neighbours that a finalist is checked with.
+/// The perturbed runs that a finalist is checked with.
 fn spacing() -> Spacing {
-    Spacing { runs: NEIGHBOURS, ..Spacing::default() }
+    Spacing { runs: MEMBERS, ..Spacing::default() }
 }
 
 /// A rig with the step as its test.
@@ -126,8 +126,8 @@ impl Trial {
         measured.unwrap_or_else(|error| Err(error.to_string()))
     }
 
-    /// What is measured of the runs of a rig and its neighbours, the rig first.
-    pub(super) fn measure_neighbours<T: Send>(
+    /// What is measured of the runs of a rig and its perturbed runs, the rig first.
+    pub(super) fn measure_members<T: Send>(
         rig: &Rig,
         measure: impl Fn(&Rig, &Run) -> Result<T, String> + Sync,
     ) -> Result<Vec<Result<T, String>>> {
@@ -137,21 +137,21 @@ impl Trial {
         Ok(ensemble.measured.into_iter().chain(failed).collect())
     }
 
-    /// The step on the rig of the file and on its neighbours, the rig of the file first.
+    /// The step on the rig of the file and on its perturbed runs, the rig of the file first.
     ///
     /// # Errors
     /// When it cannot be simulated.
-    pub fn neighbours(&self, gains: &[String]) -> Result<Vec<Performance>> {
-        self.neighbours_of(gains, &Variant::NOMINAL)
+    pub fn members(&self, gains: &[String]) -> Result<Vec<Performance>> {
+        self.members_of(gains, &Variant::NOMINAL)
     }
 
-    /// The step on a variant of the rig and on its neighbours, the variant first.
+    /// The step on a variant of the rig and on its perturbed runs, the variant first.
     ///
     /// # Errors
     /// When it cannot be simulated.
-    pub fn neighbours_of(&self, gains: &[String], variant: &Variant) -> Result<Vec<Performance>> {
+    pub fn members_of(&self, gains: &[String], variant: &Variant) -> Result<Vec<Performance>> {
         let rig = self.rig_of(gains, variant)?;
-        let runs = Trial::measure_neighbours(&rig, |rig, run| self.measured(rig, run))?;
+        let runs = Trial::measure_members(&rig, |rig, run| self.measured(rig, run))?;
         let performance = |(_, moves): (Transient, Vec<Move>)| self.performance(&moves);
         Ok(runs.into_iter().map(|run| run.map_or_else(Performance::failed, performance)).collect())
     }

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 use drawn::Drawn;
 use own_drives::{Kind, Steps, own_drive};
-use pneudrive_sim::{Accuracy, Decision, Method, Rig, Run, decide, run};
+use pneudrive_sim::{Accuracy, Convergence, Method, Rig, Run, check_convergence, run};
 
 /// m: two runs that are farther apart have parted.
 pub const PARTED_M: f64 = 1e-5;
@@ -40,10 +40,10 @@ pub fn drawn_rig(draw: u64) -> (usize, Drawn) {
 
 /// A run and its reference.
 pub struct Pair {
-    pub decision: Decision,
+    pub convergence: Convergence,
     /// How far the positions at their samples are apart at most, m.
     pub apart_m: f64,
-    /// How long the run and the decision took.
+    /// How long the run and the check of convergence took.
     pub took: [Duration; 2],
 }
 
@@ -53,14 +53,14 @@ impl Pair {
         let begun = Instant::now();
         let own = run(rig, accuracy).expect("a run");
         let run_took = begun.elapsed();
-        let decision = decide(rig, accuracy, &own).expect("a decision");
+        let convergence = check_convergence(rig, accuracy, &own).expect("a convergence");
         let took = [run_took, begun.elapsed() - run_took];
-        Pair { decision, apart_m: apart(&own, &run(rig, REFERENCE).expect("a reference")), took }
+        Pair { convergence, apart_m: apart(&own, &run(rig, REFERENCE).expect("a reference")), took }
     }
 
-    /// Whether the run says that it is decided and is off by more than it says.
+    /// Whether the run says that it is converged and is off by more than it says.
     pub fn is_wrong(&self) -> bool {
-        self.decision.is_decided() && self.apart_m > self.decision.error_m
+        self.convergence.is_converged() && self.apart_m > self.convergence.error_m
     }
 }
 

@@ -5,7 +5,7 @@ use std::process::Command;
 use pneudrive_design::own_drive::rig_file;
 use pneudrive_design::question::Answers;
 use pneudrive_design::values;
-use pneudrive_sim::{Accuracy, Rig, Run, decide, run};
+use pneudrive_sim::{Accuracy, Rig, Run, check_convergence, run};
 
 use crate::drawn;
 
@@ -53,10 +53,10 @@ fn independent(rig: &Rig, run: &Run) -> Vec<[f64; 4]> {
     String::from_utf8(output.stdout).expect("UTF-8").lines().map(row).collect()
 }
 
-/// How far the independent program is from a run, as far as that is decided.
+/// How far the independent program is from a run, as far as that is converged.
 pub fn apart(rig: &Rig, run: &Run) -> Apart {
-    let decision = decide(rig, Accuracy::of(rig), run).expect("it runs again");
-    let until = decision.undecided_from_s.unwrap_or(f64::INFINITY);
+    let convergence = check_convergence(rig, Accuracy::of(rig), run).expect("it runs again");
+    let until = convergence.unconverged_from_s.unwrap_or(f64::INFINITY);
     let rows = independent(rig, run);
     assert_eq!(rows.len(), run.rows.len());
     let mut apart = Apart { until: 0.0, position: 0.0, pressure: 0.0 };

@@ -199,8 +199,8 @@ const BEYOND: f64 = 0.02;
 
 /// A number rounded to a whole one; None of one that the type does not hold.
 fn whole<T: TryFrom<i64>>(number: f64) -> Option<T> {
-    const MOST: f64 = 9e15;
-    let number = Some(number.round()).filter(|number| number.abs() < MOST)?;
+    const MAX: f64 = 9e15;
+    let number = Some(number.round()).filter(|number| number.abs() < MAX)?;
     T::try_from(number as i64).ok()
 }
 

@@ -15,7 +15,7 @@ const IN_STEP: f64 = 0.1;
 const SAME: f64 = 1e-6;
 
 /// The most samples of a record.
-const MOST: f64 = 10e6;
+const MAX: f64 = 10e6;
 
 /// The channels as they are, if they share an even clock and no other is asked for; else taken again every `asked_s`, or
 /// every `usual_s`.
@@ -100,9 +100,9 @@ fn instants(
             // Over hours without a sample there is nothing to count.
             Some([before, after]) if time > *before => k = ((after - from) / period_s).ceil().max(k + 1.0),
             _ => {
-                if k > f64::from(i32::MAX) || times.len() as f64 >= MOST {
+                if k > f64::from(i32::MAX) || times.len() as f64 >= MAX {
                     bail!(
-                        "a sample every {:.3} ms from {from} s on makes more than the {MOST} of a record; choose a longer --period, or cut the log",
+                        "a sample every {:.3} ms from {from} s on makes more than the {MAX} of a record; choose a longer --period, or cut the log",
                         1e3 * period_s
                     );
                 }

@@ -17,10 +17,10 @@ use super::{Audience, exhibit};
 use crate::asked::Asked;
 use crate::refusal::Refusal;
 use crate::rigs::in_key_units;
-use crate::simulation::{MOST_SAMPLES, rig_of};
+use crate::simulation::{MAX_SAMPLES, rig_of};
 
 /// Most points while a page waits.
-const MOST_POINTS: usize = 10_000;
+const MAX_POINTS: usize = 10_000;
 
 /// The name of the sweep file that a page offers.
 const FILE: &str = "sweep.toml";
@@ -35,7 +35,7 @@ pub struct Asks {
     metrics: Vec<String>,
     /// What makes a point better than another.
     objective: Option<Objective>,
-    /// Runs of each point: the rig itself and its neighbours.
+    /// Runs of each point: the rig itself and its perturbed runs.
     runs: usize,
 }
 
@@ -123,9 +123,9 @@ impl Asks {
         let source = Source { name: FILE.to_owned(), text: self.text()? };
         let rig = || Source { name: self.asked.name.clone(), text: self.asked.text.clone() };
         let sweep = Sweep::read(source, |_| Ok(rig()))?;
-        if sweep.points() > MOST_POINTS {
+        if sweep.points() > MAX_POINTS {
             let message = format!(
-                "{} points: the studio sweeps over {MOST_POINTS} at most; `pneudrive sweep` takes more",
+                "{} points: the studio sweeps over {MAX_POINTS} at most; `pneudrive sweep` takes more",
                 sweep.points()
             );
             return Err(Refusal::wrong(message));
@@ -176,9 +176,9 @@ fn refuse_long(sweep: &Sweep) -> Result<(), Refusal> {
     let longest_s = levels("test.duration_s", f64::INFINITY).into_iter().fold(0.0, f64::max);
     let shortest_s = levels("controller.period_s", 0.0).into_iter().fold(f64::INFINITY, f64::min);
     let samples = (longest_s / shortest_s).floor();
-    if samples > f64::from(MOST_SAMPLES) {
+    if samples > f64::from(MAX_SAMPLES) {
         return Err(Refusal::wrong(format!(
-            "test.duration_s, controller.period_s: a point would have {samples} samples, and the studio simulates {MOST_SAMPLES} at most; `pneudrive sweep` takes longer ones"
+            "test.duration_s, controller.period_s: a point would have {samples} samples, and the studio simulates {MAX_SAMPLES} at most; `pneudrive sweep` takes longer ones"
         )));
     }
     Ok(())

@@ -26,7 +26,7 @@ __all__ = [
     "Channels",
     "Command",
     "Controller",
-    "Decided",
+    "Converged",
     "Deviation",
     "Drive",
     "Estimate",
@@ -127,7 +127,7 @@ class Rig:
         self,
         *,
         ensemble: int = 8,
-        decide: bool = True,
+        check_convergence: bool = True,
         columns: Sequence[str] = ...,
         tolerance: float | None = None,
         method: _Method | None = None,
@@ -139,13 +139,13 @@ class Rig:
     def _read(name: str, text: str, settings: list[str]) -> Rig: ...
 
 @final
-class Decided:
-    """Whether the transient of a run is decided, or the error of its integration chose it."""
+class Converged:
+    """Whether the transient of a run is converged, or the error of its integration chose it."""
 
     @property
-    def is_decided(self) -> bool: ...
+    def is_converged(self) -> bool: ...
     @property
-    def undecided_from_s(self) -> float | None: ...
+    def unconverged_from_s(self) -> float | None: ...
     @property
     def error_m(self) -> float: ...
     @property
@@ -172,7 +172,7 @@ class Run(Channels):
     @property
     def rig(self) -> Rig: ...
     @property
-    def decision(self) -> Decided | None: ...
+    def convergence(self) -> Converged | None: ...
     @property
     def trip(self) -> Trip | None: ...
     @property

@@ -30,7 +30,7 @@ BANDS = {
 
 
 def run(run: Run, channels: Sequence[str] | None = None) -> Any:
-    """Draws a run, with the band that it and its neighbours cover."""
+    """Draws a run, with the band that it and its perturbed runs cover."""
     figure = transients([run.transient()], channels)
     band = run.band
     for axes in figure.axes:

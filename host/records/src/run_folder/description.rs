@@ -3,7 +3,7 @@
 use pneudrive_controller::parameters::TABLE;
 use pneudrive_sim::component::encoder::mm_per_count;
 use pneudrive_sim::rig::{Fields, Value};
-use pneudrive_sim::{Decision, Rig, Run};
+use pneudrive_sim::{Convergence, Rig, Run};
 use serde_json::{Map, json};
 
 use crate::judged::Judged;
@@ -27,11 +27,11 @@ pub(super) fn describe(
         "tolerance": accuracy.tolerance,
         "samples": run.observations.len(),
         "rows": run.rows.len(),
-        "decided": judged.decision.is_decided(),
-        "undecided_from_s": judged.decision.undecided_from_s,
-        "closest_edge": closest_edge(&judged.decision),
-        "position_error_m": judged.decision.error_m,
-        "ensemble": judged.band.as_ref().map(|_| neighbours(judged)),
+        "converged": judged.convergence.is_converged(),
+        "unconverged_from_s": judged.convergence.unconverged_from_s,
+        "closest_edge": closest_edge(&judged.convergence),
+        "position_error_m": judged.convergence.error_m,
+        "ensemble": judged.band.as_ref().map(|_| members(judged)),
         "moves": moves,
         "fault": run.fault.map(|(fault, k)| json!({ "name": words::fault_name(fault), "sample": k })),
         "work": work(run),
@@ -43,8 +43,8 @@ pub(super) fn describe(
     })
 }
 
-/// The neighbours of a run, and those that failed.
-fn neighbours(judged: &Judged) -> serde_json::Value {
+/// The members of the ensemble of a run, and those that failed.
+fn members(judged: &Judged) -> serde_json::Value {
     let tripped: Vec<&str> = judged.lost.tripped.iter().map(|fault| words::fault_name(*fault)).collect();
     json!({
         "runs": judged.spacing.runs,
@@ -81,8 +81,8 @@ fn keys(rig: &Rig) -> Map<String, serde_json::Value> {
     rig.entries().map(|(key, value)| (key.path.to_owned(), json_of(value))).collect()
 }
 
-fn closest_edge(decision: &Decision) -> Option<serde_json::Value> {
-    decision.closest_edge.map(|edge| json!({ "distance_m": edge.distance_m, "at_s": edge.at_s }))
+fn closest_edge(convergence: &Convergence) -> Option<serde_json::Value> {
+    convergence.closest_edge.map(|edge| json!({ "distance_m": edge.distance_m, "at_s": edge.at_s }))
 }
 
 fn json_of(value: &Value) -> serde_json::Value {

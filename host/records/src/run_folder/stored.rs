@@ -39,9 +39,9 @@ pub struct StoredRun {
     pub open_loop: bool,
     /// Windows of the controller's velocity and acceleration, samples.
     pub windows: [u8; 2],
-    /// The range of the run and its neighbours, if it has any.
+    /// The range of the run and its perturbed runs, if it has any.
     pub band: Option<Band>,
-    /// The number and distance of its neighbours; None without neighbours.
+    /// The number and distance of its perturbed runs; None without perturbed runs.
     pub spacing: Option<Spacing>,
     /// The accuracy of its integration; None if this program does not know the method.
     pub accuracy: Option<Accuracy>,
@@ -221,7 +221,7 @@ fn read_text(path: &Path) -> Result<String> {
     text_file::read_own(path)
 }
 
-/// The band of a run whose trace has these times; None without neighbours, or if its program wrote none.
+/// The band of a run whose trace has these times; None without perturbed runs, or if its program wrote none.
 fn read_band(folder: &Path, description: &serde_json::Value, time_s: &[f64]) -> Result<Option<Band>> {
     let path = folder.join(BAND);
     let is_there = !description[CHECKSUMS][BAND].is_null() || path.exists();

@@ -2,9 +2,9 @@
 //!
 //! | who | may stay | at most |
 //! |---|---|---|
-//! | a caller who has not shown the token | [`GATE_WAIT`], and the one who waits longest leaves for a new one after [`HURRY`] | [`MOST_AT_GATE`] |
+//! | a caller who has not shown the token | [`GATE_WAIT`], and the one who waits longest leaves for a new one after [`HURRY`] | [`MAX_AT_GATE`] |
 //! | a caller with a wrong token | unheard for [`PAUSE`](super::caller::PAUSE), then not at all | as those |
-//! | a program | as long as it likes; beyond the limit the one that was silent longest leaves for a new one, but not the one that commands the drive | [`MOST_PROGRAMS`] |
+//! | a program | as long as it likes; beyond the limit the one that was silent longest leaves for a new one, but not the one that commands the drive | [`MAX_PROGRAMS`] |
 
 use std::time::{Duration, Instant};
 
@@ -17,10 +17,10 @@ pub(super) const GATE_WAIT: Duration = Duration::from_secs(3);
 pub(super) const HURRY: Duration = Duration::from_millis(100);
 
 /// Callers who have not shown the token.
-pub(super) const MOST_AT_GATE: usize = 32;
+pub(super) const MAX_AT_GATE: usize = 32;
 
 /// Programs that are let in.
-pub(super) const MOST_PROGRAMS: usize = 64;
+pub(super) const MAX_PROGRAMS: usize = 64;
 
 /// Sends away who has stayed at the gate for too long.
 pub(super) fn send_away(callers: &mut Vec<Caller>, now: Instant) {
@@ -29,7 +29,7 @@ pub(super) fn send_away(callers: &mut Vec<Caller>, now: Instant) {
 
 /// Makes room at the gate for another caller. Whether there is room.
 pub(super) fn makes_room(callers: &mut Vec<Caller>, now: Instant) -> bool {
-    if callers.iter().filter(|caller| !caller.is_in()).count() < MOST_AT_GATE {
+    if callers.iter().filter(|caller| !caller.is_in()).count() < MAX_AT_GATE {
         return true;
     }
     let waits = |caller: &&Caller| !caller.is_in() && now.duration_since(caller.came) >= HURRY;
@@ -41,7 +41,7 @@ pub(super) fn makes_room(callers: &mut Vec<Caller>, now: Instant) -> bool {
 /// Sends away programs beyond the limit, the longest silent first; never the one for which `commands` is true.
 pub(super) fn shed(callers: &mut Vec<Caller>, commands: impl Fn(&Caller) -> bool) -> Vec<Caller> {
     let mut shed = Vec::new();
-    while callers.iter().filter(|caller| caller.is_in()).count() > MOST_PROGRAMS {
+    while callers.iter().filter(|caller| caller.is_in()).count() > MAX_PROGRAMS {
         let idle = callers.iter().filter(|caller| caller.is_in() && !commands(caller));
         let Some(longest) = idle.map(|caller| caller.heard).min() else { break };
         let found = callers.iter().position(|caller| caller.heard == longest && !commands(caller));

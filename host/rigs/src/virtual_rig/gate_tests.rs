@@ -6,7 +6,7 @@ use pneudrive_protocol::RequestBody;
 use pneudrive_sim::Rig;
 
 use super::caller::{Caller, PAUSE, Token};
-use super::gate::{GATE_WAIT, HURRY, MOST_AT_GATE, MOST_PROGRAMS, makes_room, send_away, shed};
+use super::gate::{GATE_WAIT, HURRY, MAX_AT_GATE, MAX_PROGRAMS, makes_room, send_away, shed};
 use super::test_line::Line;
 use super::{Pace, VirtualRig};
 
@@ -45,7 +45,7 @@ fn who_shows_no_token_leaves_after_a_while_and_a_program_stays() {
 fn a_full_gate_makes_room_by_the_one_that_waits_longest_and_never_by_a_program() {
     let mut rig = rig();
     let mut callers = vec![program(&mut rig)];
-    while callers.len() <= MOST_AT_GATE {
+    while callers.len() <= MAX_AT_GATE {
         let now = Instant::now();
         assert!(makes_room(&mut callers, now));
         callers.push(caller().1);
@@ -54,7 +54,7 @@ fn a_full_gate_makes_room_by_the_one_that_waits_longest_and_never_by_a_program()
     assert!(!makes_room(&mut callers, first), "each has a moment to show the token");
     let next = callers[2].came;
     assert!(makes_room(&mut callers, Instant::now() + HURRY));
-    assert_eq!(callers.len(), MOST_AT_GATE);
+    assert_eq!(callers.len(), MAX_AT_GATE);
     assert!(callers[0].is_in() && callers[1].came == next, "the first stranger has left");
 }
 
@@ -76,9 +76,9 @@ fn a_wrong_token_is_kept_waiting_and_then_sent_away_and_no_second_one_is_heard()
 #[test]
 fn programs_beyond_the_limit_leave_the_one_that_commands_alone() {
     let mut rig = rig();
-    let mut callers: Vec<Caller> = (0..MOST_PROGRAMS + 2).map(|_| program(&mut rig)).collect();
+    let mut callers: Vec<Caller> = (0..MAX_PROGRAMS + 2).map(|_| program(&mut rig)).collect();
     let (owner, idle) = (callers[0].heard, callers[1].heard);
     let gone = shed(&mut callers, |caller| caller.heard == owner);
-    assert_eq!((gone.len(), callers.len()), (2, MOST_PROGRAMS));
+    assert_eq!((gone.len(), callers.len()), (2, MAX_PROGRAMS));
     assert!(callers[0].heard == owner && gone[0].heard == idle);
 }

@@ -81,7 +81,10 @@ fn rank(rig: &Rig) -> Result<()> {
             effects[SHOWN].moves_m.map_or("as much".to_owned(), |moves| format!("{:.2} mm", 1e3 * moves));
         say!("  {} others: {next} at most, each on its own", effects.len() - SHOWN);
     }
-    say!("  (less than {:.3} mm is not significant: neighbours of the run differ as much)", 1e3 * floor_m);
+    say!(
+        "  (less than {:.3} mm is not significant: members of the ensemble of the run differ as much)",
+        1e3 * floor_m
+    );
     Ok(())
 }
 

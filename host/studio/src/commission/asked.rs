@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use axum::http::StatusCode;
-use pneudrive_link::bring_up::{MOST_PERCENT, Options, PUSH_WAIT_S};
+use pneudrive_link::bring_up::{MAX_PERCENT, Options, PUSH_WAIT_S};
 use pneudrive_page::asked::Asked;
 use pneudrive_page::refusal::Refusal;
 use pneudrive_sim::Rig;
@@ -94,8 +94,8 @@ impl Questions {
 
 fn options(push_wait_s: u16, most_percent: u8) -> Result<Options, Refusal> {
     let within = |value: u16, [least, most]: [u16; 2]| (least..=most).contains(&value);
-    if !within(push_wait_s, PUSH_WAIT_S) || !within(most_percent.into(), MOST_PERCENT.map(u16::from)) {
-        let ([from, to], [least, most]) = (PUSH_WAIT_S, MOST_PERCENT);
+    if !within(push_wait_s, PUSH_WAIT_S) || !within(most_percent.into(), MAX_PERCENT.map(u16::from)) {
+        let ([from, to], [least, most]) = (PUSH_WAIT_S, MAX_PERCENT);
         return Err(wrong(format!(
             "wait {from} to {to} s for the hand, with {least} to {most} % of the valve"
         )));

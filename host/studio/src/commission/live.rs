@@ -11,7 +11,7 @@ use pneudrive_records::units::Units;
 use super::samples::{Row, Samples};
 
 /// Most samples a second: a minute of them is what a page can draw.
-const MOST_HZ: f64 = 1000.0;
+const MAX_HZ: f64 = 1000.0;
 
 /// The stream of one test.
 #[derive(Debug)]
@@ -29,7 +29,7 @@ pub struct Live {
 /// The sample period of a drive, s, and every how manyth sample is streamed.
 fn rate_of(parameters: &RigParameters) -> (f64, u16) {
     let period_s = f64::from(parameters.values.get(id::PERIOD_US).unwrap_or(1300).max(1)) / 1e6;
-    (period_s, (1.0 / period_s / MOST_HZ).ceil().max(1.0) as u16)
+    (period_s, (1.0 / period_s / MAX_HZ).ceil().max(1.0) as u16)
 }
 
 impl Live {

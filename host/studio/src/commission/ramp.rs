@@ -15,7 +15,7 @@ pub const JOG_MM_PER_S: f64 = 10.0;
 pub const GO_MM_PER_S: f64 = 50.0;
 
 /// Most steps of a move; a test has room for 64.
-const MOST_STEPS: f64 = 60.0;
+const MAX_STEPS: f64 = 60.0;
 
 /// Shortest time of a step, s.
 const STEP_S: f64 = 0.05;
@@ -36,7 +36,7 @@ pub fn slow_move(rig: &Rig, from_mm: f64, to_mm: f64, mm_per_s: f64) -> Result<R
     let [from_mm, to_mm] = [from_mm, to_mm].map(|mm| mm.clamp(0.0, stroke_mm));
     let mm_per_count = mm_per_count(rig);
     let lasts_s = (to_mm - from_mm).abs() / mm_per_s;
-    let steps = (lasts_s / STEP_S).ceil().clamp(1.0, MOST_STEPS);
+    let steps = (lasts_s / STEP_S).ceil().clamp(1.0, MAX_STEPS);
     let step = |number: u32| {
         let share = f64::from(number) / steps;
         let counts = ((from_mm + share * (to_mm - from_mm)) / mm_per_count) as i64;

@@ -56,7 +56,7 @@ impl Row {
 const CHANNELS: usize = 7;
 
 /// Most rows that are kept: a minute of a fast stream.
-const MOST_ROWS: usize = 60_000;
+const MAX_ROWS: usize = 60_000;
 
 /// Rows that the page has not been told of yet, by channel.
 #[derive(Clone, Debug, Default, Serialize)]
@@ -100,7 +100,7 @@ impl Samples {
         self.time.push_back((at_s * 1e6).round() / 1e6);
         self.channels.iter_mut().zip(values).for_each(|(channel, value)| channel.push_back(value));
         self.last = Some(at_s);
-        if self.time.len() > MOST_ROWS {
+        if self.time.len() > MAX_ROWS {
             self.lose_first();
         }
     }
@@ -152,12 +152,12 @@ mod tests {
     #[test]
     fn a_page_that_does_not_read_finds_the_last_rows_behind_a_gap() {
         let (mut samples, row) = (Samples::default(), row(100));
-        for k in 0..MOST_ROWS + 2 {
+        for k in 0..MAX_ROWS + 2 {
             samples.add(k as f64, &row, false);
         }
         let told = samples.told().expect("some");
-        assert_eq!((told.time.len(), told.time[0]), (MOST_ROWS, 2.0));
-        assert!(told.channels.iter().all(|channel| channel.len() == MOST_ROWS && channel[0].is_nan()));
+        assert_eq!((told.time.len(), told.time[0]), (MAX_ROWS, 2.0));
+        assert!(told.channels.iter().all(|channel| channel.len() == MAX_ROWS && channel[0].is_nan()));
         assert!((told.channels[1][1] - 1.205).abs() < 1e-6, "position, mm");
     }
 

@@ -29,7 +29,7 @@ pub fn page_with(name: &str, text: &str, port: Option<&str>) -> Browser {
     let address = studio.address();
     std::thread::spawn(move || studio.serve());
     let mut page = Browser::open(&address, LAPTOP);
-    page.wait_until("window.studio?.simulation.isAtRest && document.querySelector('.verdict.decided, .verdict.undecided')");
+    page.wait_until("window.studio?.simulation.isAtRest && document.querySelector('.verdict.converged, .verdict.unconverged')");
     page
 }
 

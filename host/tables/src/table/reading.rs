@@ -16,7 +16,7 @@ use crate::dialect::{Dialect, Record, dialect, is_number, records};
 use crate::number::Evidence;
 
 /// Lines of heads that are kept above the numbers.
-const MOST_HEADS: usize = 4;
+const MAX_HEADS: usize = 4;
 
 pub fn table(text: &str) -> Result<Table, Problem> {
     let is_cut = !text.ends_with('\n') && !text.ends_with('\r');
@@ -209,7 +209,7 @@ impl Reading {
                 first.line
             )));
         }
-        let heads: Vec<&Record> = heads.iter().rev().take_while(is_aligned).take(MOST_HEADS).collect();
+        let heads: Vec<&Record> = heads.iter().rev().take_while(is_aligned).take(MAX_HEADS).collect();
         self.table.head_line = heads.last().map_or(first.line, |head| head.line);
         let name = |cell: &str| cell.split_whitespace().collect::<Vec<_>>().join(" ");
         let names = |head: &&Record| head.cells.iter().take(columns).map(name).collect();

@@ -18,7 +18,7 @@ fn assembly(settings: &[(&str, f64)]) -> (Assembly, StateVector) {
 }
 
 /// Most events in a period of a spool that gets on: its dither may have five cycles in one, with ten events in each.
-const MOST_EVENTS: u32 = 100;
+const MAX_EVENTS: u32 = 100;
 
 /// The guard of an event at `t`.
 fn guard_at(assembly: &Assembly, event: Option<Event>, t: f64, x: &StateVector) -> f64 {
@@ -64,7 +64,7 @@ fn follow(settings: &[(&str, f64)], counts: &[i16]) -> Result<Vec<Passed>, TestC
         assembly.drive(t, &mut x, Request { counts, step: 0 });
         let (end, before) = (PERIOD * f64::from(sample), events);
         while t < end {
-            prop_assert!(events - before <= MOST_EVENTS, "at {t} s");
+            prop_assert!(events - before <= MAX_EVENTS, "at {t} s");
             let time_event = StepLimit { until: assembly.next_time_event(t), event: Some(Event::Time) };
             let clear = time_event.within(end).within(t + assembly.parts.operator.max_step());
             // In a stop nothing is known beforehand.

@@ -35,7 +35,7 @@ use crate::component::gas::Gas;
 use pneudrive_solver::bracketed_root;
 
 /// 4fL/D below which a pipe has no drop worth the name.
-pub(super) const LEAST_SPAN: f64 = 1e-12;
+pub(super) const MIN_SPAN: f64 = 1e-12;
 
 /// Two reach rounding at any Mach number and length; one is to spare.
 const MAX_ITERATIONS: u32 = 3;
@@ -55,7 +55,7 @@ pub(super) struct Pipe {
 }
 
 impl Pipe {
-    /// A pipe of a span 4fL/D above [`LEAST_SPAN`].
+    /// A pipe of a span 4fL/D above [`MIN_SPAN`].
     pub(super) fn new(gas: Gas, span: f64, diameter_m: f64) -> Pipe {
         let n = gas.heat_capacity_ratio;
         let area = core::f64::consts::FRAC_PI_4 * diameter_m * diameter_m;

@@ -51,7 +51,7 @@ impl Limit {
 pub fn notes(trial: &Trial, behaviour: &Behaviour) -> Vec<String> {
     let Some(Tracked { sine, .. }) = behaviour.sines.first() else { return Vec::new() };
     let sines = format!(
-        "The sines swing about {:.1} mm by {:.1} mm to either side: a fifth of the stroke, 60 mm at most, or as far as steps may go. They make three swings; the first one begins at full speed and is left out. Where more than half of the squared error arises, there is what limits the drive: within the dead band or a count, with the valve fully open, while the piston stands, or, if it moves and the valve could do more, by the law, where more than half of the squared error swings with the sine as well. It cannot be seen if none of these holds, or not in the run of the rig of the file and those of all its neighbours.",
+        "The sines swing about {:.1} mm by {:.1} mm to either side: a fifth of the stroke, 60 mm at most, or as far as steps may go. They make three swings; the first one begins at full speed and is left out. Where more than half of the squared error arises, there is what limits the drive: within the dead band or a count, with the valve fully open, while the piston stands, or, if it moves and the valve could do more, by the law, where more than half of the squared error swings with the sine as well. It cannot be seen if none of these holds, or not in the run of the rig of the file and those of all its perturbed runs.",
         sine.middle_mm(),
         sine.amplitude_mm()
     );
@@ -105,7 +105,7 @@ pub fn errors(sines: &[Tracked]) -> Table {
         ]
     };
     Table {
-        heading: "sines in mid-stroke; in brackets the range over the rig of the file and its neighbours"
+        heading: "sines in mid-stroke; in brackets the range over the rig of the file and its perturbed runs"
             .to_owned(),
         columns: columns.to_vec(),
         rows: sines.iter().map(row).collect(),

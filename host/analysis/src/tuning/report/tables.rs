@@ -78,17 +78,17 @@ pub fn obstacles(all: &[LimitingImperfection], goal: &Goal) -> Table {
     )
 }
 
-/// The rig of the file with its neighbours.
+/// The rig of the file with its perturbed runs.
 #[must_use]
-pub fn neighbours(tuned: &Tuned, goal: &Goal) -> Table {
-    let row = |name: &str, found: &Found| with_neighbours(name.to_owned(), &found.neighbours, goal);
+pub fn members(tuned: &Tuned, goal: &Goal) -> Table {
+    let row = |name: &str, found: &Found| with_ensemble(name.to_owned(), &found.members, goal);
     let mut rows = vec![row("of the file", &tuned.before)];
     if tuned.is_changed() {
         rows.push(row("found", &tuned.after));
     }
     Table {
-        heading: "the rig of the file in mid-stroke; in brackets the range over it and its neighbours, whose mass and starting position differ by 1e-5".to_owned(),
-        columns: std::iter::once("gains").chain(WITH_NEIGHBOURS).map(str::to_owned).collect(),
+        heading: "the rig of the file in mid-stroke; in brackets the range over it and its perturbed runs, whose mass and starting position differ by 1e-5".to_owned(),
+        columns: std::iter::once("gains").chain(WITH_ENSEMBLE).map(str::to_owned).collect(),
         rows,
     }
 }
@@ -98,17 +98,17 @@ pub fn neighbours(tuned: &Tuned, goal: &Goal) -> Table {
 pub fn along_the_stroke(steps: &[AtPlace], goal: &Goal) -> Table {
     let row = |step: &AtPlace| {
         let [from, to] = step.ends_mm;
-        with_neighbours(format!("{from:.1} to {to:.1}"), &step.runs, goal)
+        with_ensemble(format!("{from:.1} to {to:.1}"), &step.runs, goal)
     };
     Table {
-        heading: "the step along the stroke, with the gains that were found; in brackets the range over the rig of the file and its neighbours".to_owned(),
-        columns: std::iter::once("step and back, mm").chain(WITH_NEIGHBOURS).map(str::to_owned).collect(),
+        heading: "the step along the stroke, with the gains that were found; in brackets the range over the rig of the file and its perturbed runs".to_owned(),
+        columns: std::iter::once("step and back, mm").chain(WITH_ENSEMBLE).map(str::to_owned).collect(),
         rows: steps.iter().map(row).collect(),
     }
 }
 
-/// Columns of a step on a rig and its neighbours.
-const WITH_NEIGHBOURS: [&str; 5] = [
+/// Columns of a step on a rig and its perturbed runs.
+const WITH_ENSEMBLE: [&str; 5] = [
     "goal met",
     "settles after, s",
     "overshoot, %",
@@ -116,8 +116,8 @@ const WITH_NEIGHBOURS: [&str; 5] = [
     "limit cycle, mm peak to peak: worst",
 ];
 
-/// A step on a rig, first, and on its neighbours.
-fn with_neighbours(name: String, runs: &[Performance], goal: &Goal) -> Vec<String> {
+/// A step on a rig, first, and on its perturbed runs.
+fn with_ensemble(name: String, runs: &[Performance], goal: &Goal) -> Vec<String> {
     let seen = goal.met_in(runs);
     let of = |of: &dyn Fn(&Performance) -> Option<f64>| runs.iter().map(of).collect::<Vec<_>>();
     let cycles = runs.iter().map(|one| one.limit_cycle).reduce(LimitCycle::or_worse);

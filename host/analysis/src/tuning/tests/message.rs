@@ -16,7 +16,7 @@ fn found(met: usize, settle: usize, of: usize) -> Found {
         settings: vec!["controller.velocity_gain=65535".to_owned()],
         places: Vec::new(),
         tuned_on: vec![good.clone(); 3],
-        neighbours: [vec![good.clone(); 5], vec![performance(late.clone(), step()); 3]].concat(),
+        members: [vec![good.clone(); 5], vec![performance(late.clone(), step()); 3]].concat(),
         fresh: fresh.collect(),
     }
 }
@@ -38,7 +38,7 @@ fn tuned(after: Found, without: &[(&'static str, Found)]) -> Tuned {
 }
 
 #[test]
-fn the_verdict_says_the_fresh_draws_first_and_what_is_not_decided() {
+fn the_verdict_says_the_fresh_draws_first_and_what_is_not_converged() {
     let task = Task { goal: GOAL, ..task("servo-b", &[]) };
     let notes = |tuned: &Tuned| report::notes(&task, tuned).join("\n");
     let message =
@@ -49,7 +49,7 @@ fn the_verdict_says_the_fresh_draws_first_and_what_is_not_decided() {
     );
     assert!(message.contains("in 3 of 3 trials that the gains were tuned on"), "{message}");
     assert!(
-        message.contains("is not decided: it and its neighbours") && message.contains("in 5 of 8 runs"),
+        message.contains("is not converged: it and its perturbed runs") && message.contains("in 5 of 8 runs"),
         "{message}"
     );
     assert!(

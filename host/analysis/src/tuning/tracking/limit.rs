@@ -16,7 +16,7 @@
 //! ```
 //!
 //! What holds where more than half of the squared error arises is the limit of a run; of the law only if more than half of it swings
-//! with the sine as well. A drive is limited by it if the run of the rig of the file and those of all its neighbours are.
+//! with the sine as well. A drive is limited by it if the run of the rig of the file and those of all its perturbed runs are.
 
 use std::f64::consts::TAU;
 
@@ -30,7 +30,7 @@ use super::sine::Sine;
 const STANDING: f64 = 1e-3;
 
 /// More than this share of the squared error is most of it.
-const MOST: f64 = 0.5;
+const MAX: f64 = 0.5;
 
 /// The largest command of a converter, counts.
 const FULL_COUNTS: i64 = 2048;
@@ -119,7 +119,7 @@ impl Following {
             (Limit::Law, law),
         ]
         .into_iter()
-        .find_map(|(limit, share)| (share > MOST).then_some(limit))
+        .find_map(|(limit, share)| (share > MAX).then_some(limit))
     }
 }
 

@@ -70,7 +70,7 @@ pub(crate) fn rounding(t: f64) -> f64 {
 }
 
 /// Looks at a motion: a handful will do, unless it grazes a limit.
-const MOST_LOOKS: usize = 60;
+const MAX_LOOKS: usize = 60;
 
 /// A quantity and two derivatives; bounds of the second and of the third one from now on.
 #[derive(Clone, Copy)]
@@ -87,7 +87,7 @@ impl FreeMotion {
         let resolution = RESOLUTION * (until - from) + f64::EPSILON * until;
         let reach = (self.in_phase * self.in_phase + self.across * self.across).sqrt();
         let (mut t, mut parts) = (from, if from == self.since { self.start } else { self.parts(from) });
-        for look in 0..MOST_LOOKS {
+        for look in 0..MAX_LOOKS {
             let courses = self.courses(&parts, reach);
             let rooms = limits.map(|limit| courses[limit.of as usize].room_to(&limit));
             let clear = rooms.map(|room| room.clear(until - t));

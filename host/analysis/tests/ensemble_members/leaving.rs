@@ -1,11 +1,11 @@
-//! How often neighbours of a run leave its band, in closed loops drawn at random. A band is that of the run and its first
-//! seven neighbours, all at the tolerance of the run; the seven after these are drawn at other tolerances.
+//! How often members of the ensemble of a run leave its band, in closed loops drawn at random. A band is that of the run and its first
+//! seven perturbed runs, all at the tolerance of the run; the seven after these are drawn at other tolerances.
 
 #[path = "../../../../sim/tests/drawn/mod.rs"]
 mod drawn;
 
 use drawn::Drawn;
-use pneudrive_analysis::ensemble::neighbours;
+use pneudrive_analysis::ensemble::members;
 use pneudrive_analysis::parallel;
 use pneudrive_records::judged::Spacing;
 use pneudrive_sim::{Accuracy, Rig, Run, run};
@@ -20,7 +20,7 @@ const AT_ITS_END: f64 = 0.95;
 /// A figure that lies farther beyond a band than so many widths of it has left it.
 const BEYOND: f64 = 0.2;
 
-/// Figures of neighbours, and how many of them have left the band.
+/// Figures of perturbed runs, and how many of them have left the band.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Leaving {
     pub figures: u32,
@@ -62,7 +62,7 @@ fn of_rig<const N: usize>(Drawn { name, rig }: &Drawn, tolerances: [f64; N]) -> 
         figures(&run.unwrap_or_else(|error| panic!("{name} at {tolerance:e}: {error}")))
     };
     let all: Vec<Rig> =
-        neighbours(rig, Spacing { runs: 15, ..Spacing::default() }).into_iter().flatten().collect();
+        members(rig, Spacing { runs: 15, ..Spacing::default() }).into_iter().flatten().collect();
     let (near, others) = all.split_at(7);
     let band: Vec<_> = std::iter::once(rig).chain(near).map(|rig| at(rig, accuracy.tolerance)).collect();
     tolerances.map(|tolerance| {

@@ -1,4 +1,4 @@
-//! Whether the transient of a run is decided, or whether the error of its integration chose between two.
+//! Whether the transient of a run is converged, or whether the error of its integration chose between two.
 //!
 //! Positions become counts. Where a sampled position is nearer to a count's edge than the integration is exact,
 //! the exact solution may have the other count, and from there on another transient; the same holds for pressures
@@ -11,8 +11,8 @@
 //!
 //! ```text
 //! c_k = max(d_k(100 tolerance), 0.1 d_k(1000 tolerance))     first, as it costs little; coarsest 1e-4
-//! f_k = max(3 d_k(tolerance / 100), 0.01 c_k)                where that leaves the run undecided; finest 1e-13
-//! decided:  distance of y_k to an edge > e_k, and e_k < 10 um, at every sample, with e = c or e = f
+//! f_k = max(3 d_k(tolerance / 100), 0.01 c_k)                where that leaves the run unconverged; finest 1e-13
+//! converged:  distance of y_k to an edge > e_k, and e_k < 10 um, at every sample, with e = c or e = f
 //! ```
 //!
 //! One other integration can agree with the run by chance, and did: a drive whose errors grow 5,000-fold over its
@@ -32,7 +32,7 @@ use crate::values::Rig;
 use crate::values::seconds;
 use pneudrive_solver::IntegrationError;
 
-/// A run whose positions are estimated to be more wrong than this is not decided, m.
+/// A run whose positions are estimated to be more wrong than this is not converged, m.
 pub const LARGEST_ERROR_M: f64 = 1e-5;
 
 /// How much coarser the first integrations are, and the part of the distance to each that bounds the run's own error.
@@ -56,13 +56,13 @@ const FINEST: f64 = 1e-13;
 
 /// What is known of the exactness of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Decision {
+pub struct Convergence {
     /// The sampled position that came closest to another count; None where no encoder is in the loop.
     pub closest_edge: Option<Edge>,
     /// Estimated error of the positions, the largest of the run, m.
     pub error_m: f64,
     /// From when on the exact transient may be another one, s.
-    pub undecided_from_s: Option<f64>,
+    pub unconverged_from_s: Option<f64>,
 }
 
 /// A sampled position near the edge of a count.
@@ -74,35 +74,35 @@ pub struct Edge {
     pub at_s: f64,
 }
 
-impl Decision {
+impl Convergence {
     /// Of a run that no other integration can be compared with.
-    pub const UNKNOWN: Decision =
-        Decision { closest_edge: None, error_m: f64::INFINITY, undecided_from_s: Some(0.0) };
+    pub const UNKNOWN: Convergence =
+        Convergence { closest_edge: None, error_m: f64::INFINITY, unconverged_from_s: Some(0.0) };
 
     /// Whether the exact transient is this one.
     #[must_use]
-    pub fn is_decided(&self) -> bool {
-        self.undecided_from_s.is_none()
+    pub fn is_converged(&self) -> bool {
+        self.unconverged_from_s.is_none()
     }
 }
 
-/// Determines whether a run of a rig with this accuracy is decided.
+/// Determines whether a run of a rig with this accuracy is converged.
 ///
 /// # Errors
 /// When a finer integration fails.
-pub fn decide(rig: &Rig, accuracy: Accuracy, run: &Run) -> Result<Decision, IntegrationError> {
+pub fn check_convergence(rig: &Rig, accuracy: Accuracy, run: &Run) -> Result<Convergence, IntegrationError> {
     let comparison = Comparison { rig, accuracy, run };
     let mut others = comparison.coarser();
-    let mut decision = comparison.judge(&others);
-    if others.len() < COARSER.len() || !decision.is_decided() {
+    let mut convergence = comparison.judge(&others);
+    if others.len() < COARSER.len() || !convergence.is_converged() {
         let finer = comparison.finer(others.is_empty())?;
         if !finer.is_empty() {
             others.iter_mut().for_each(|coarser| coarser.part *= FLOOR);
             others.extend(finer);
-            decision = comparison.judge(&others);
+            convergence = comparison.judge(&others);
         }
     }
-    Ok(if others.len() < FEWEST && decision.is_decided() { Decision::UNKNOWN } else { decision })
+    Ok(if others.len() < FEWEST && convergence.is_converged() { Convergence::UNKNOWN } else { convergence })
 }
 
 /// A run that is held against others of its rig.
@@ -113,7 +113,7 @@ struct Comparison<'a> {
 }
 
 impl Comparison<'_> {
-    /// The coarser integrations, up to the first by which the run is undecided.
+    /// The coarser integrations, up to the first by which the run has not converged.
     fn coarser(&self) -> Vec<Other> {
         let mut others = Vec::new();
         for (times, part) in COARSER {
@@ -121,7 +121,7 @@ impl Comparison<'_> {
             let Some(other) = (tolerance <= COARSEST).then(|| self.other(tolerance, part)) else { break };
             let Ok(other) = other else { break };
             others.push(other);
-            if !self.judge(&others).is_decided() {
+            if !self.judge(&others).is_converged() {
                 break;
             }
         }
@@ -141,7 +141,7 @@ impl Comparison<'_> {
         Ok(Other { readings: readings(self.rig, accuracy, self.run)?, part })
     }
 
-    fn judge(&self, others: &[Other]) -> Decision {
+    fn judge(&self, others: &[Other]) -> Convergence {
         Judge::new(self.rig).judge(self.run, others)
     }
 }
@@ -197,32 +197,32 @@ impl Judge {
     }
 
     /// The largest bound by one of the others is the error.
-    fn judge(mut self, run: &Run, others: &[Other]) -> Decision {
-        let mut decision = Decision { closest_edge: None, error_m: 0.0, undecided_from_s: None };
+    fn judge(mut self, run: &Run, others: &[Other]) -> Convergence {
+        let mut convergence = Convergence { closest_edge: None, error_m: 0.0, unconverged_from_s: None };
         let mut pressure_error = 0.0_f64;
         let common = others.iter().map(|other| other.readings.len()).fold(run.readings.len(), usize::min);
         for (k, own) in run.readings[..common].iter().enumerate() {
             let at_s = seconds(k as u64 * self.period_us);
             for [position, pressure_1, pressure_2] in others.iter().map(|other| other.bound(own, k)) {
-                decision.error_m = decision.error_m.max(position);
+                convergence.error_m = convergence.error_m.max(position);
                 pressure_error = pressure_error.max(pressure_1).max(pressure_2);
             }
             let [position, pressure_1, pressure_2] = self.sensors.distances(own);
-            if self.reads_position && decision.closest_edge.is_none_or(|edge| position < edge.distance_m) {
-                decision.closest_edge = Some(Edge { distance_m: position, at_s });
+            if self.reads_position && convergence.closest_edge.is_none_or(|edge| position < edge.distance_m) {
+                convergence.closest_edge = Some(Edge { distance_m: position, at_s });
             }
-            let doubtful = decision.error_m > LARGEST_ERROR_M
-                || self.reads_position && position <= decision.error_m
+            let doubtful = convergence.error_m > LARGEST_ERROR_M
+                || self.reads_position && position <= convergence.error_m
                 || self.reads_pressures && pressure_1.min(pressure_2) <= pressure_error;
-            if doubtful && decision.undecided_from_s.is_none() {
-                decision.undecided_from_s = Some(at_s);
+            if doubtful && convergence.unconverged_from_s.is_none() {
+                convergence.unconverged_from_s = Some(at_s);
             }
         }
         // One of them tripped; from there on the other one has nothing to be compared with.
         let all_as_long = others.iter().all(|other| other.readings.len() == run.readings.len());
-        if !all_as_long && decision.is_decided() {
-            decision.undecided_from_s = Some(seconds(common as u64 * self.period_us));
+        if !all_as_long && convergence.is_converged() {
+            convergence.unconverged_from_s = Some(seconds(common as u64 * self.period_us));
         }
-        decision
+        convergence
     }
 }

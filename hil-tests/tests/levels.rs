@@ -1,4 +1,4 @@
-//! The headline: the same samples give the same commands, equal in every bit, on every rung. Here the
+//! The headline: the same samples give the same commands, equal in every bit, on every execution level. Here the
 //! virtual rig.
 
 use std::sync::atomic::AtomicBool;

@@ -1,8 +1,8 @@
-//! How many closed loops drawn at random are decided, whether those that say so are, and what the decision costs: the
+//! How many closed loops drawn at random are converged, whether those that say so are, and what the check of convergence costs: the
 //! table of docs/agreement.md.
 //!
 //! ```text
-//! cargo run --release -p pneudrive-analysis --example decided -- [PAIRS] [FIRST DRAW]
+//! cargo run --release -p pneudrive-analysis --example converged -- [PAIRS] [FIRST DRAW]
 //! ```
 
 #[path = "../tests/pairs/mod.rs"]
@@ -15,8 +15,8 @@ use pneudrive_sim::Accuracy;
 #[derive(Clone, Copy, Default)]
 struct Counts {
     pairs: u32,
-    decided: u32,
-    /// Of the decided ones.
+    converged: u32,
+    /// Of the converged ones.
     wrong: u32,
     parted: u32,
     seconds: [f64; 2],
@@ -25,7 +25,7 @@ struct Counts {
 impl Counts {
     fn take(&mut self, pair: &Pair) {
         self.pairs += 1;
-        self.decided += u32::from(pair.decision.is_decided());
+        self.converged += u32::from(pair.convergence.is_converged());
         self.wrong += u32::from(pair.is_wrong());
         self.parted += u32::from(pair.apart_m > PARTED_M);
         for (sum, took) in self.seconds.iter_mut().zip(pair.took) {
@@ -42,18 +42,19 @@ fn main() {
         let (kind, Drawn { name, rig }) = drawn_rig(draw);
         let pair = Pair::of(&rig, Accuracy::of(&rig));
         if pair.is_wrong() {
-            println!("draw {draw}, {name}: {:e} m apart, {:?}", pair.apart_m, pair.decision);
+            println!("draw {draw}, {name}: {:e} m apart, {:?}", pair.apart_m, pair.convergence);
         }
         counts[kind].take(&pair);
     }
     println!(
-        "| drawn | pairs | decided | of these farther apart than stated | undecided | parted | decision / run |"
+        "| drawn | pairs | converged | of these farther apart than stated | not converged | parted | convergence / run |"
     );
     println!("|---|---|---|---|---|---|---|");
-    for (kind, Counts { pairs, decided, wrong, parted, seconds: [run, decision] }) in KINDS.iter().zip(counts)
+    for (kind, Counts { pairs, converged, wrong, parted, seconds: [run, convergence] }) in
+        KINDS.iter().zip(counts)
     {
-        let undecided = 1e2 * (1.0 - f64::from(decided) / f64::from(pairs));
-        let cost = decision / run;
-        println!("| {kind} | {pairs} | {decided} | {wrong} | {undecided:.1} % | {parted} | {cost:.2} |");
+        let unconverged = 1e2 * (1.0 - f64::from(converged) / f64::from(pairs));
+        let cost = convergence / run;
+        println!("| {kind} | {pairs} | {converged} | {wrong} | {unconverged:.1} % | {parted} | {cost:.2} |");
     }
 }

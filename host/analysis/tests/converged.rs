@@ -1,4 +1,4 @@
-//! A run that says it is decided is the one that a far finer integration by another method gives.
+//! A run that says it is converged is the one that a far finer integration by another method gives.
 
 #[path = "pairs/mod.rs"]
 mod pairs;
@@ -9,14 +9,14 @@ use pneudrive_sim::{Accuracy, Method, Rig};
 
 /// Its errors grow 5,000-fold over its test, and at 1e-11 and at 1e-13 they are nearly the same by chance.
 #[test]
-fn a_run_that_agrees_with_a_finer_one_by_chance_is_not_decided() {
+fn a_run_that_agrees_with_a_finer_one_by_chance_is_not_converged() {
     let text = include_str!("cases/decided_lugre.toml");
     let rig = Rig::read("decided_lugre", text).expect("a valid rig");
     let usual = Accuracy::of(&rig);
     let mut parted = 0;
     for accuracy in [usual, Accuracy { method: Method::Merson, tolerance: 1e-12 }] {
         let pair = Pair::of(&rig, accuracy);
-        assert!(!pair.is_wrong(), "{accuracy:?}: {:e} m off, {:?}", pair.apart_m, pair.decision);
+        assert!(!pair.is_wrong(), "{accuracy:?}: {:e} m off, {:?}", pair.apart_m, pair.convergence);
         parted += u32::from(pair.apart_m > PARTED_M);
     }
     assert!(parted > 0, "the drive is one whose runs part");
@@ -24,14 +24,14 @@ fn a_run_that_agrees_with_a_finer_one_by_chance_is_not_decided() {
 
 #[test]
 fn of_drawn_built_in_rigs_and_own_drives_all_that_say_so_are_off_by_no_more_than_they_say() {
-    let mut decided = [0; KINDS.len()];
+    let mut converged = [0; KINDS.len()];
     for draw in 0..12 {
         let (kind, Drawn { name, rig }) = drawn_rig(draw);
         let pair = Pair::of(&rig, Accuracy::of(&rig));
-        let [run, decision] = pair.took;
-        println!("{name}: {run:.2?}, its decision {decision:.2?}");
-        assert!(!pair.is_wrong(), "{name}: {:e} m off, {:?}", pair.apart_m, pair.decision);
-        decided[kind] += u32::from(pair.decision.is_decided());
+        let [run, convergence] = pair.took;
+        println!("{name}: {run:.2?}, its check of convergence {convergence:.2?}");
+        assert!(!pair.is_wrong(), "{name}: {:e} m off, {:?}", pair.apart_m, pair.convergence);
+        converged[kind] += u32::from(pair.convergence.is_converged());
     }
-    assert!(decided.iter().all(|count| *count >= 1), "of 3 each: {decided:?}");
+    assert!(converged.iter().all(|count| *count >= 1), "of 3 each: {converged:?}");
 }
