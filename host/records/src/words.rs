@@ -54,7 +54,7 @@ pub fn convergence(convergence: &Convergence) -> String {
     match convergence.unconverged_from_s {
         None => format!("converged: positions are off by about {error}, as estimated{edge}"),
         Some(_) if convergence.error_m.is_infinite() => {
-            "unconverged: no run at another tolerance to compare with; choose another --tolerance".to_owned()
+            "not converged: no run at another tolerance to compare with; choose another --tolerance".to_owned()
         }
         Some(since) => format!(
             "not converged from {since:.4} s on: the exact transient may differ from there; positions are off by about {error}, as estimated{edge}; a smaller --tolerance may converge"
@@ -67,7 +67,7 @@ pub fn run(rig: &Rig, judged: &Judged) -> Vec<String> {
     let lost = judged.band.as_ref().and_then(|_| lost(&judged.lost));
     let members = judged.band.as_ref().map(|_| {
         let Spacing { runs, relative } = judged.spacing;
-        let members = if runs == 2 { "member" } else { "ensemble" };
+        let members = if runs == 2 { "perturbed run" } else { "perturbed runs" };
         format!(
             "{} {members} whose mass and starting position differ by up to {relative:e} (of the mass, of the stroke)",
             runs - 1
