@@ -52,7 +52,9 @@ impl Bench for AtDrive<'_> {
         self.client.set_parameters(id::OPEN_LOOP, &[open_loop])?;
         test_run::prepare(self.client, test, test.last_sample(), false, false)?;
         test_run::start(self.client, test, &mut || self.meter.check())?;
-        self.client.follow(self.meter.ends(), |_| {}).map(drop)
+        self.client.follow(self.meter.ends(), |_| {})?;
+        // Armed, a drive that creeps at its null would trip while its record is fetched.
+        self.client.disarm()
     }
 
     fn record(&mut self, name: &str) -> Result<(String, TargetFile)> {
@@ -60,7 +62,6 @@ impl Bench for AtDrive<'_> {
         let test = self.client.test()?;
         let file =
             TargetFile::new(&self.client.record(|_, _| {})?, &info, &parameters)?.with_test(test.as_ref());
-        self.client.disarm()?;
         log::info!("{name} is recorded: {} samples", file.samples.len());
         self.files.push((name.to_owned(), file.clone()));
         // Its number tells it from the others.

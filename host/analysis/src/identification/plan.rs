@@ -16,7 +16,7 @@ use super::recording::Recording;
 
 /// A rig that tests can be run on.
 pub trait Bench {
-    /// Runs a test to its end, in the loop that its rig file has.
+    /// Runs a test to its end, in the loop that its rig file has, and disarms the drive.
     ///
     /// # Errors
     /// When the rig refuses it, trips, or stops answering.

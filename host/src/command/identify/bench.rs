@@ -79,12 +79,13 @@ impl Bench for AtPort<'_> {
         let open_loop = i32::from(test.get(&keys::controller::LOOP) == Loop::Open);
         self.client.disarm()?;
         self.client.set_parameters(id::OPEN_LOOP, &[open_loop])?;
-        run_test(self.client, test, test.last_sample(), false, None)
+        run_test(self.client, test, test.last_sample(), false, None)?;
+        // Armed, a drive that creeps at its null would trip while its record is fetched.
+        self.client.disarm()
     }
 
     fn record(&mut self, name: &str) -> Result<(String, TargetFile)> {
         let (path, file) = record(self.client, self.folder)?;
-        self.client.disarm()?;
         say!("{}: {name}", path.display());
         Ok((path.file_name().unwrap_or_default().to_string_lossy().into_owned(), file))
     }
@@ -93,8 +94,24 @@ impl Bench for AtPort<'_> {
 #[cfg(test)]
 mod tests {
     use pneudrive_link::failure::Failure;
+    use pneudrive_protocol::Mode;
+    use pneudrive_rigs::virtual_rig::{Background, Listener, Pace, VirtualRig};
 
     use super::*;
+
+    /// One that creeps at its null would trip while its record is fetched, however long that takes.
+    #[test]
+    fn a_drive_is_disarmed_as_soon_as_its_test_is_over() {
+        let settings = ["controller.loop=open", "test.moves=[[0.0, 0]]", "test.duration_s=0.1"];
+        let rig = Rig::builtin("servo-b-tuned").expect("a built-in rig");
+        let rig = rig.with_settings(&settings.map(str::to_owned)).expect("valid");
+        let served = VirtualRig::new(rig.clone(), 1, Pace { fast: true, live: false }).expect("a rig");
+        let served = Background::start(served, Listener::open("tcp:127.0.0.1:0").expect("a port"));
+        let mut client = Client::connect(served.port()).expect("it answers");
+        let folder = tempfile::tempdir().expect("a folder");
+        AtPort { client: &mut client, folder: folder.path() }.run(&rig).expect("a run");
+        assert_eq!(client.status().expect("it answers").mode, Mode::Disarmed);
+    }
 
     #[test]
     fn a_load_that_hangs_is_told_of_before_a_plan_and_where_it_trips() {
