@@ -10,7 +10,7 @@ use pneudrive_records::target::TargetFile;
 use pneudrive_sim::component::friction::{Friction, FrictionModel};
 use pneudrive_sim::component::operator;
 use pneudrive_sim::component::sensors::calibration::Calibration;
-use pneudrive_sim::follow::{Followed, Reading, Timing, follow_within};
+use pneudrive_sim::follow::{Followed, Reading, Timing, follow, follow_within};
 use pneudrive_sim::keys;
 use pneudrive_sim::{Accuracy, Rig};
 
@@ -25,6 +25,14 @@ pub const CHANNELS: [(&str, &str); 4] =
 
 /// The keys of an initial state.
 const KEYS_OF_START: [&str; 3] = ["test.position_m", "test.pressure_1_pa", "test.pressure_2_pa"];
+
+/// The dry friction of a load, and the part of the file's that may be left of it: it is known to a factor of two.
+const DRY_FRICTION: [&str; 4] =
+    ["load.static_extend_n", "load.coulomb_extend_n", "load.static_retract_n", "load.coulomb_retract_n"];
+const MIN_FRICTION: f64 = 0.5;
+
+/// A dither may shake a load so many times as far as that of the model: what it does depends on all that a fit has to find.
+const SHAKEN_FURTHER: f64 = 2.0;
 
 /// A measured period may be off by this part: more is no drift of a clock.
 const MAX_PERIOD_ERROR: f64 = 0.5;
@@ -163,23 +171,22 @@ impl Recording {
         if recorded.len() < FEWEST_OF_A_RECORD {
             bail!("it has {} samples; a fit needs at least {FEWEST_OF_A_RECORD}", recorded.len());
         }
-        let rest = samples_at_rest(&recorded, counts_of_yield(rig) + encoder::noise(rig))?;
-        let converters = Converters {
-            full_scale: f64::from((1u32 << parameter(id::SENSOR_BITS)) - 1),
-            rest,
-            dithered: rig.get(&keys::operator::MODEL).is_solenoid()
-                && rig.get(&keys::dither::DITHER_MM) > 0.0,
-        };
-        let mut channels = converters.channels(file, &recorded, rig)?;
         if let Some(missing) = ["pressure_1", "pressure_2"].iter().find(|name| file.is_unknown(name)) {
             bail!("it has no {missing}: {NEEDS_PRESSURES}");
         }
+        let timing = timing(file.period_us()?, parameter(id::PERIOD_US), parameter(id::DELAY_US))?;
+        let commands: Vec<Command> = recorded.iter().map(|sample| command(sample, stepper)).collect();
+        let scales = Scales::of(file)?;
+        let dithered =
+            rig.get(&keys::operator::MODEL).is_solenoid() && rig.get(&keys::dither::DITHER_MM) > 0.0;
+        let shaken = if dithered { scales.counts_of_dither(&recorded[0], rig, timing, &commands) } else { 0 };
+        let rest = samples_at_rest(&recorded, counts_of_yield(rig) + encoder::noise(rig) + shaken)?;
+        let full_scale = f64::from((1u32 << parameter(id::SENSOR_BITS)) - 1);
+        let mut channels = Converters { scales, full_scale, rest, dithered }.channels(&recorded, rig);
         if stepper || file.is_unknown("spool") {
             // SPLLOC is what was asked for, not what was measured.
             channels[3].taken.clear();
         }
-        let timing = timing(file.period_us()?, parameter(id::PERIOD_US), parameter(id::DELAY_US))?;
-        let commands = recorded.iter().map(|sample| command(sample, stepper)).collect();
         let start = [0, 1, 2].map(|c| channels[c].offset + channels[c].measured[0] * channels[c].scale);
         Ok(Recording { name: name.to_owned(), timing, commands, channels, start })
     }
@@ -259,8 +266,52 @@ fn timing(measured: f64, asked: i32, delay: i32) -> Result<Timing> {
     Ok(timing)
 }
 
+/// What the counts of a record are: SI at 0 counts and SI per count.
+#[derive(Clone, Copy, Debug)]
+struct Scales {
+    /// Per count alone.
+    position: f64,
+    pressure: [f64; 2],
+    spool: [f64; 2],
+}
+
+impl Scales {
+    fn of(file: &TargetFile) -> Result<Scales> {
+        Ok(Scales {
+            position: 1e-3 * file.positive("mm_per_count")?,
+            pressure: [file.number("pressure_offset_pa")?, file.positive("pressure_scale_pa")?],
+            spool: [1e-3 * file.number("spool_offset_mm")?, 1e-3 * file.positive("spool_scale_mm")?],
+        })
+    }
+
+    /// How far a dither may shake a load at rest, counts: by what it does to that of the model under the first of the commands,
+    /// with as little dry friction as it may have.
+    fn counts_of_dither(
+        &self,
+        first: &RecordedSample,
+        rig: &Rig,
+        timing: Timing,
+        commands: &[Command],
+    ) -> i32 {
+        let pressure = |raw: i16| self.pressure[0] + self.pressure[1] * f64::from(raw);
+        let position = self.position * f64::from(first.position);
+        let start = [position, pressure(first.pressure_1), pressure(first.pressure_2)];
+        let friction =
+            DRY_FRICTION.iter().filter_map(|path| Some((*path, MIN_FRICTION * rig.number_at(path)?)));
+        let values: Vec<_> = KEYS_OF_START.into_iter().zip(start).chain(friction).collect();
+        let held = commands.iter().take_while(|command| command.counts == commands[0].counts).count();
+        let followed = rig
+            .with_numbers(&values)
+            .map(|loose| follow(&loose, Accuracy::default(), timing, &commands[..held]));
+        let Ok(Ok(readings)) = followed else { return 0 };
+        let moved = readings.iter().map(|reading| (reading.position - readings[0].position).abs());
+        (SHAKEN_FURTHER * moved.fold(0.0, f64::max) / self.position).ceil() as i32
+    }
+}
+
 /// The converters of a record.
 struct Converters {
+    scales: Scales,
     full_scale: f64,
     /// Samples at rest.
     rest: usize,
@@ -268,28 +319,18 @@ struct Converters {
 }
 
 impl Converters {
-    fn channels(
-        &self,
-        file: &TargetFile,
-        recorded: &[RecordedSample],
-        rig: &Rig,
-    ) -> Result<[Channel; CHANNELS.len()]> {
-        let pressure = [file.number("pressure_offset_pa")?, file.positive("pressure_scale_pa")?];
-        let spool = [1e-3 * file.number("spool_offset_mm")?, 1e-3 * file.positive("spool_scale_mm")?];
+    fn channels(&self, recorded: &[RecordedSample], rig: &Rig) -> [Channel; CHANNELS.len()] {
+        let Scales { position, pressure, spool } = self.scales;
         let counts = |of: fn(&RecordedSample) -> i32| -> Vec<f64> {
             recorded.iter().map(|sample| f64::from(of(sample))).collect()
         };
-        Ok([
-            encoder::channel(
-                counts(|sample| sample.position),
-                1e-3 * file.positive("mm_per_count")?,
-                |readings| Rest::of(&readings[..self.rest], self.dithered),
-                rig,
-            ),
+        let at_rest = |readings: &[f64]| Rest::of(&readings[..self.rest], self.dithered);
+        [
+            encoder::channel(counts(|sample| sample.position), position, at_rest, rig),
             self.channel(counts(|sample| sample.pressure_1.into()), pressure),
             self.channel(counts(|sample| sample.pressure_2.into()), pressure),
             self.channel(counts(|sample| sample.spool.into()), spool),
-        ])
+        ]
     }
 
     fn channel(&self, measured: Vec<f64>, [offset, scale]: [f64; 2]) -> Channel {
@@ -354,6 +395,46 @@ mod tests {
     fn a_rest_counts_once() {
         let (_, _, samples) = rounding(|k| if k < 2000 { 5.3 } else { 7.9 });
         assert_eq!(samples, 2);
+    }
+
+    /// A light load on a cylinder of 40 mm bore, whose valve has a dither, with a part of its dry friction and of the amplitude.
+    fn shaken(friction: f64, amplitude: f64) -> Rig {
+        let keys = format!(
+            "[actuator]\nbore_m = 0.04\nstroke_m = 0.1\nrod_diameter_m = 0.0\nresidual_volume_1_m3 = 1.3e-5\nresidual_volume_2_m3 = 9.5e-6\n[load]\nmass_kg = 1.0\nstatic_extend_n = {}\ncoulomb_extend_n = {}\nstatic_retract_n = {}\ncoulomb_retract_n = {}\n[operator]\nmodel = \"solenoid-empirical\"\ndither_mm = {}\n[controller]\nloop = \"open\"\n[test]\nposition_m = 0.05\n",
+            22.8 * friction,
+            8.6 * friction,
+            36.0 * friction,
+            10.9 * friction,
+            0.2 * amplitude
+        );
+        Rig::read("shaken", &keys).expect("valid")
+    }
+
+    /// How many of 31 samples under the null count as rest by the file's rig, of a load that moves by `counts` more than that of
+    /// `real`.
+    fn samples_at_rest_of(real: &Rig, counts: i32) -> Option<usize> {
+        let (file, timing) = (shaken(1.0, 1.0), Timing { period_us: 1300, delay_us: 500 });
+        let commands = [Command { counts: 0, step: 0, drive_enable: true }; 31];
+        let scales = Scales { position: 1e-5, pressure: [0.0, 244.2], spool: [0.0, 1.0] };
+        let sample = |(k, reading): (usize, &Reading)| RecordedSample {
+            position: (reading.position / scales.position) as i32 + if k > 5 { counts } else { 0 },
+            pressure_1: (reading.pressures[0] / scales.pressure[1]) as i16,
+            pressure_2: (reading.pressures[1] / scales.pressure[1]) as i16,
+            ..RecordedSample::default()
+        };
+        let readings = follow(real, Accuracy::default(), timing, &commands).expect("a run");
+        let recorded: Vec<RecordedSample> = readings.iter().enumerate().map(sample).collect();
+        assert!(recorded[15].position.abs_diff(recorded[0].position) > 20, "its dither shakes it");
+        samples_at_rest(&recorded, scales.counts_of_dither(&recorded[0], &file, timing, &commands)).ok()
+    }
+
+    #[test]
+    fn a_load_that_its_dither_shakes_no_further_than_it_may_is_at_rest() {
+        for (friction, amplitude) in [(1.0, 1.0), (0.9, 1.1), (1.1, 1.1), (0.9, 0.9), (1.1, 0.9)] {
+            let rest = samples_at_rest_of(&shaken(friction, amplitude), 0);
+            assert_eq!(rest, Some(31), "{friction} of the file's friction, {amplitude} of its dither");
+        }
+        assert_eq!(samples_at_rest_of(&shaken(1.0, 1.0), 1000), None, "something else moves it");
     }
 
     /// As a cylinder does: 13 mm within 20 samples.
