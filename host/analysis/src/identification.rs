@@ -203,6 +203,8 @@ pub struct Identification {
     pub fits: bool,
     /// Runs of a transient that the fit took.
     pub runs: usize,
+    /// Evaluations of the model's equations in these runs.
+    pub evaluations: u64,
     /// How far each recording's initial state is off the measured one, counts.
     pub starts: Vec<[f64; STARTS]>,
     /// The rig with the estimates.
@@ -267,7 +269,7 @@ fn fitted(mut model: Model<'_>, progress: &mut dyn FnMut(&str)) -> Result<Identi
         None => causes::explain(&model, &found, &traces, progress),
     };
     let cut = !told.fits && (model.budget.is_spent() || !causes.cut.is_empty());
-    Ok(Identification { causes, cut, runs: model.runs(), ..told })
+    Ok(Identification { causes, cut, runs: model.runs(), evaluations: model.budget.spent(), ..told })
 }
 
 impl Model<'_> {
@@ -338,6 +340,7 @@ fn finished(
         spectrum: found.spectrum.clone(),
         rounded: found.judged.rounded,
         runs: model.runs(),
+        evaluations: model.budget.spent(),
         starts: (0..model.recordings.len()).map(|i| model.start_at(u, i)).collect(),
         rig: model.rig_at(u).unwrap_or_else(|_| model.rig.clone()),
     }

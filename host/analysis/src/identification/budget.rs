@@ -10,6 +10,10 @@ use std::sync::atomic::{AtomicU64, Ordering};
 const FIRST: u64 = 3000;
 const ALL: u64 = 4000;
 
+/// Evaluations altogether, of a microsecond each and what is done with them: so that whoever waits for a refusal waits for less
+/// than a minute, by one core of a PC that does nothing else.
+pub(super) const MAX_EVALUATIONS: u64 = 40_000_000;
+
 /// Evaluations of a run for each of its samples: a hundred times what they take where the model is near the rig.
 const OF_A_SAMPLE: u64 = 5_000;
 
@@ -19,7 +23,7 @@ pub(super) struct Budget {
     spent: Arc<AtomicU64>,
     /// What it takes to follow all records once.
     once: u64,
-    /// How often that may be spent; None: without end.
+    /// How much may be spent; None: without end.
     most: Option<u64>,
 }
 
@@ -34,23 +38,29 @@ impl Budget {
         self.spent.fetch_add(evaluations, Ordering::Relaxed);
     }
 
-    fn spent(&self) -> u64 {
+    /// Evaluations so far.
+    pub fn spent(&self) -> u64 {
         self.spent.load(Ordering::Relaxed)
     }
 
     /// All records have been followed once: there is an end for the first minimum.
     pub fn begin(&mut self) {
-        (self.once, self.most) = (self.spent(), Some(FIRST));
+        self.once = self.spent();
+        self.end_after(FIRST);
     }
 
     /// The first minimum is found: there is an end for all.
     pub fn go_on(&mut self) {
-        self.most = Some(ALL);
+        self.end_after(ALL);
+    }
+
+    fn end_after(&mut self, times: u64) {
+        self.most = Some((times * self.once).min(MAX_EVALUATIONS * times / ALL));
     }
 
     /// Whether nothing is left.
     pub fn is_spent(&self) -> bool {
-        self.most.is_some_and(|most| self.spent() >= most * self.once)
+        self.most.is_some_and(|most| self.spent() >= most)
     }
 }
 
@@ -72,6 +82,18 @@ mod tests {
         budget.go_on();
         assert!(!budget.is_spent());
         budget.spend(7 * (ALL - FIRST));
+        assert!(budget.is_spent());
+    }
+
+    #[test]
+    fn a_search_on_records_that_are_slow_to_follow_ends_before_a_minute_is_over() {
+        let mut budget = Budget::default();
+        budget.spend(1_000_000);
+        budget.begin();
+        budget.go_on();
+        budget.spend(MAX_EVALUATIONS - 1_000_001);
+        assert!(!budget.is_spent());
+        budget.spend(1);
         assert!(budget.is_spent());
     }
 }

@@ -29,7 +29,7 @@ pub fn to_json(found: &Identification, recordings: &[Recording]) -> Value {
         "incline_suggested_deg": found.incline.map(|incline| incline.degrees),
         "at_limits": found.at_limits,
         "far_from_file": found.far_off,
-        "runs": found.runs,
+        "runs": found.runs, "evaluations": found.evaluations,
         "parameters": found.estimates.iter().map(|e| estimate(e, found)).collect::<Vec<_>>(),
         "unseen": found.unseen.iter().map(unseen).collect::<Vec<_>>(),
         "calibration": found.calibration.iter().map(calibrated).collect::<Vec<_>>(),
