@@ -59,12 +59,14 @@ pub(super) fn search(
     let start = calibration::freed(model, start);
     let near = approach(model, start.clone(), progress);
     model.fine = true;
-    let first = found(model, &near, progress)?;
+    let mut first = found(model, &near, progress)?;
     model.budget.go_on();
     let mut of_first = Causes::default();
     if first.spectrum.is_more_than_noise() {
         of_first = causes::explain(model, &first, &Traces::of(model, &first), progress);
-        if of_first.explain_to_noise() {
+        if let Some(u) = of_first.not_come_to.take() {
+            first = found(model, &u, progress)?;
+        } else if of_first.explain_to_noise() {
             return Ok(Termination { found: first, causes: Some(of_first), of_first: Causes::default() });
         }
     }

@@ -120,6 +120,13 @@ impl<'t, 'a> Fit<'t, 'a> {
         !self.found.spectrum.is_more_than_noise()
     }
 
+    /// Where it ended, if the effect is an error of calibration that its tolerance makes likely and noise alone is left.
+    pub fn point_of_likely_error(&self) -> Option<Vec<f64>> {
+        let Change::Calibration(_) = self.effect().change else { return None };
+        let u = &self.found.minimum.u;
+        (self.leaves_noise() && !self.origin.model.has_far_error(u)).then(|| u.clone())
+    }
+
     /// The value of the effect, in the unit of its key, if it is a number, and its standard error.
     fn value(&self) -> Option<(f64, f64)> {
         if let Some(incline) = self.incline() {
