@@ -62,9 +62,15 @@ fn main() -> Result<()> {
                     None => coverage.count(&trial),
                 }
             }
-            Err(error) => eprintln!("{seed}, {}: {error:#}", hidden.name),
+            Err(error) => {
+                eprintln!("{seed}, {}: {error:#}", hidden.name);
+                coverage.ended += 1;
+            }
+        }
+        // A campaign of hours that is cut short has its table so far.
+        if (seed + 1 - first).is_multiple_of(10) || seed + 1 == first + rigs {
+            println!("{coverage}");
         }
     }
-    print!("{coverage}");
     Ok(())
 }

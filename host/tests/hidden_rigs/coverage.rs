@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use pneudrive_analysis::tuning::Proportion;
+
 use super::{Told, Trial};
 
 /// How far an estimate is off.
@@ -24,6 +26,8 @@ pub struct Coverage {
     pub parameters: Vec<(String, Vec<Miss>)>,
     /// Trials.
     pub trials: u32,
+    /// Plans that ended before there was anything to fit.
+    pub ended: u32,
     /// Trials whose model is said not to explain the data.
     pub refused: u32,
     /// Parameters that were said to be unseen, in all trials.
@@ -32,8 +36,8 @@ pub struct Coverage {
     pub runs: u64,
     /// Seconds that all took.
     pub seconds: f64,
-    /// Seconds of the longest trial whose model is said not to explain the data.
-    pub longest_refusal: f64,
+    /// Seconds, and evaluations of the model's equations, of the longest trial whose model is said not to explain the data.
+    pub longest_refusal: (f64, u64),
     /// Trials that fit and all of whose intervals hold, and those with one that does not.
     pub all_hold: [u32; 2],
     /// Trials in which the effect that the rig file lacks was named among the causes of a misfit.
@@ -65,7 +69,9 @@ impl Coverage {
         self.unseen += trial.unseen.len();
         if !trial.fits {
             self.refused += 1;
-            self.longest_refusal = self.longest_refusal.max(trial.seconds);
+            if trial.seconds > self.longest_refusal.0 {
+                self.longest_refusal = (trial.seconds, trial.evaluations);
+            }
             self.widened.extend(trial.told.iter().map(Told::miss));
             return;
         }
@@ -96,10 +102,16 @@ impl Coverage {
     }
 }
 
-/// The part of the intervals that hold what was hidden.
+/// How many intervals hold what was hidden.
+#[must_use]
+pub fn holding(misses: &[Miss]) -> Proportion {
+    Proportion { met: misses.iter().filter(|miss| miss.held).count(), of: misses.len() }
+}
+
+/// Their part of all.
 #[must_use]
 pub fn held(misses: &[Miss]) -> f64 {
-    misses.iter().filter(|miss| miss.held).count() as f64 / misses.len() as f64
+    holding(misses).met as f64 / misses.len() as f64
 }
 
 /// Root of the mean squared miss, in standard errors.
@@ -153,32 +165,32 @@ impl Coverage {
         writeln!(f)?;
         writeln!(
             f,
-            "{} rigs; {} refused as not explained; {:.1} parameters unseen, {:.0} runs of a transient and {:.1} s each.",
+            "{} rigs; {} refused as not explained; {} plans ended before; {:.1} parameters unseen, {:.0} runs of a transient and {:.1} s each.",
             self.trials,
             self.refused,
+            self.ended,
             self.unseen as f64 / trials,
             self.runs as f64 / trials,
             self.seconds / trials
         )?;
-        let [all, but_one] = self.all_hold;
+        let ([all, but_one], (seconds, evaluations)) = (self.all_hold, self.longest_refusal);
         writeln!(
             f,
-            "All intervals of a rig hold in {all}, all but one in {but_one} more; the longest refusal took {:.0} s.",
-            self.longest_refusal
-        )
+            "All intervals of a rig hold in {all}, all but one in {but_one} more; the longest refusal took {seconds:.0} s and {:.1} million evaluations.",
+            1e-6 * evaluations as f64
+        )?;
+        let share = |(_, misses): &(String, Vec<Miss>)| held(misses);
+        let least = self.parameters.iter().min_by(|a, b| share(a).total_cmp(&share(b)));
+        least.map_or(Ok(()), |(key, misses)| {
+            writeln!(f, "Least often hold those of {key}: {}.", holding(misses))
+        })
     }
 }
 
 /// A line of the table.
 fn line(f: &mut fmt::Formatter<'_>, name: &str, error: &str, misses: &[Miss]) -> fmt::Result {
     let rest = misses.iter().filter(|miss| miss.rests_on_assumptions).count();
-    writeln!(
-        f,
-        "| {name} | {error} | {:.1} % of {} | {:.2} | {rest} |",
-        100.0 * held(misses),
-        misses.len(),
-        spread(misses)
-    )
+    writeln!(f, "| {name} | {error} | {} | {:.2} | {rest} |", holding(misses), spread(misses))
 }
 
 fn median(misses: &[Miss]) -> String {

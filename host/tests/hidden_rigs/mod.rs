@@ -79,6 +79,8 @@ pub struct Trial {
     pub unseen: Vec<String>,
     /// Runs of a transient on the model.
     pub runs: u64,
+    /// Evaluations of its equations in these.
+    pub evaluations: u64,
     /// Seconds for plan and fit.
     pub seconds: f64,
 }
@@ -130,6 +132,7 @@ impl Trial {
             fits: json["fits"] == true && json["converged"] == true,
             unseen,
             runs: json["runs"].as_u64().unwrap_or(0),
+            evaluations: json["evaluations"].as_u64().unwrap_or(0),
             seconds,
         })
     }
@@ -148,8 +151,9 @@ impl Trial {
             format!("; causes: {}", settings.join(" or "))
         };
         format!(
-            "{fits} after {} runs, {:.1} s; missed: {}{causes}",
+            "{fits} after {} runs, {:.1} million evaluations, {:.1} s; missed: {}{causes}",
             self.runs,
+            1e-6 * self.evaluations as f64,
             self.seconds,
             missed.join(" ")
         )
