@@ -5,8 +5,8 @@ use std::fs;
 use std::ops::Range;
 
 use anyhow::{Context, Result, ensure};
-use pneudrive_nucleo_plan::flash as nucleo;
-use pneudrive_pico2_plan::flash as pico2;
+use pneudrive_plan::nucleo::flash as nucleo;
+use pneudrive_plan::pico2::flash as pico2;
 
 use crate::cargo;
 use crate::firmware;

@@ -1,9 +1,9 @@
-//! The sectors of the internal flash that are kept ([`pneudrive_nucleo_plan::flash`]). While it erases
+//! The sectors of the internal flash that are kept ([`pneudrive_plan::nucleo::flash`]). While it erases
 //! or writes, the processor stalls: it runs from the same flash.
 
 use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash};
 use pneudrive_app::runtime::talk::Watchdog as _;
-use pneudrive_nucleo_plan::flash::{BYTES, UNIT, is_kept, sectors};
+use pneudrive_plan::nucleo::flash::{BYTES, UNIT, is_kept, sectors};
 use stm32f4xx_hal::flash::FlashExt;
 use stm32f4xx_hal::pac::FLASH;
 

@@ -28,7 +28,7 @@
 //! | [`spool`] | where a stepper's spool is, through a reset |
 //! | [`start`] | what both starts have in common |
 //!
-//! What is computed for the chip stands in `pneudrive-nucleo-plan`, which the PC tests.
+//! What is computed for the chip stands in `pneudrive-plan`, which the PC tests.
 #![no_std]
 #![no_main]
 

@@ -1,6 +1,6 @@
-//! The option bytes, written once in the life of a board ([`pneudrive_nucleo_plan::options`]).
+//! The option bytes, written once in the life of a board ([`pneudrive_plan::nucleo::options`]).
 
-use pneudrive_nucleo_plan::options::{KEYS, with_highest_level};
+use pneudrive_plan::nucleo::options::{KEYS, with_highest_level};
 use stm32f4xx_hal::pac::FLASH;
 
 /// Has the chip held in reset from below 2.7 V on, if it is not yet. For the start: the drive is disabled.

@@ -1,7 +1,7 @@
 //! The board's clock: awaited at the start, and watched from then on. Without it nothing runs but this.
 
 use cortex_m::asm;
-use pneudrive_nucleo_plan::oscillator::{CYCLES_PER_MS, is_lit};
+use pneudrive_plan::nucleo::oscillator::{CYCLES_PER_MS, is_lit};
 use stm32f4xx_hal::pac::{GPIOA, RCC};
 
 /// Waits for the clock from outside. While it is missing the lamp of the board (LD2, PA5) flashes; all other lines stay

@@ -5,7 +5,7 @@ use pneudrive_app::fault_log::{Memory, Recovery, Restored};
 use pneudrive_app::runtime::reset::Reset;
 use pneudrive_app::storage::LayoutError;
 use pneudrive_app::store::FlashStore;
-use pneudrive_nucleo_plan::flash::layout;
+use pneudrive_plan::nucleo::flash::layout;
 use stm32f4xx_hal::pac::{FLASH, GPIOA, RCC};
 use stm32f4xx_hal::rcc::{Config, Rcc, RccExt};
 use stm32f4xx_hal::time::MegaHertz;

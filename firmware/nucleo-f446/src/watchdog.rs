@@ -1,7 +1,7 @@
 //! The independent watchdog. It runs on a clock of its own, and nothing stops it once it has started.
 
 use pneudrive_app::runtime::talk;
-use pneudrive_nucleo_plan::watchdog::{RUNNING, Timeout, WRITING_FLASH};
+use pneudrive_plan::nucleo::watchdog::{RUNNING, Timeout, WRITING_FLASH};
 use stm32f4xx_hal::pac::iwdg::RegisterBlock;
 use stm32f4xx_hal::pac::iwdg::kr::KEY;
 use stm32f4xx_hal::pac::{DBGMCU, IWDG};

@@ -1,10 +1,10 @@
 //! TIMER0: a free-running counter of the processor's cycles, read as microseconds, with the sample on alarm 0 and its
 //! output on alarm 1. The processor's clock is the crystal's; the ticks that the timer could count instead come from the
-//! watchdog's clock ([`pneudrive_pico2_plan::clocks`]).
+//! watchdog's clock ([`pneudrive_plan::pico2::clocks`]).
 
 use embedded_hal::delay::DelayNs;
 use pneudrive_app::runtime::clock::{Mark, Timer};
-use pneudrive_pico2_plan::clocks::{cycles, microseconds, wait_cycles};
+use pneudrive_plan::pico2::clocks::{cycles, microseconds, wait_cycles};
 use rp235x_hal::pac::timer0::RegisterBlock;
 use rp235x_hal::pac::{RESETS, TIMER0};
 

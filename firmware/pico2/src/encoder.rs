@@ -1,7 +1,7 @@
-//! PIO0: 32 bits of quadrature counts, all four edges of a period ([`pneudrive_pico2_plan::quadrature`]).
+//! PIO0: 32 bits of quadrature counts, all four edges of a period ([`pneudrive_plan::pico2::quadrature`]).
 
 use pneudrive_interfaces::EncoderCounter;
-use pneudrive_pico2_plan::quadrature::{CYCLES_A_ROUND, MISSED, first_look, program};
+use pneudrive_plan::pico2::quadrature::{CYCLES_A_ROUND, MISSED, first_look, program};
 use rp235x_hal::gpio::bank0::{Gpio2, Gpio3};
 use rp235x_hal::gpio::{FunctionPio0, Pin, PullUp};
 use rp235x_hal::pac::{PIO0, RESETS};

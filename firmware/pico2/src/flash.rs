@@ -1,4 +1,4 @@
-//! The kept end of the flash ([`pneudrive_pico2_plan::flash`]), erased and written by the boot ROM (RP2350 data sheet, 5.4.8).
+//! The kept end of the flash ([`pneudrive_plan::pico2::flash`]), erased and written by the boot ROM (RP2350 data sheet, 5.4.8).
 //!
 //! The program runs from the same flash, which cannot be read meanwhile. So what calls the ROM stands in RAM, with every
 //! interrupt masked, and it puts the flash back into the quick mode in which the boot ROM has found it.
@@ -8,7 +8,7 @@ use core::slice;
 
 use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash};
 use pneudrive_app::runtime::talk::Watchdog as _;
-use pneudrive_pico2_plan::flash::{BYTES, KEPT, PAGE, SECTOR, is_kept, page};
+use pneudrive_plan::pico2::flash::{BYTES, KEPT, PAGE, SECTOR, is_kept, page};
 use rp235x_hal::rom_data::{
     connect_internal_flash, flash_exit_xip, flash_flush_cache, flash_range_erase, flash_range_program,
 };

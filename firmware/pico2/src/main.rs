@@ -21,7 +21,7 @@
 //! | [`start`] | clocks, pins and parts |
 //! | [`watchdog`] | the watchdog, and its memory that a reset leaves as it is |
 //!
-//! What is computed for the chip stands in `pneudrive-pico2-plan`, which the PC tests.
+//! What is computed for the chip stands in `pneudrive-plan`, which the PC tests.
 #![no_std]
 #![no_main]
 

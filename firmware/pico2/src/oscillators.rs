@@ -1,7 +1,7 @@
-//! The clocks of the chip ([`pneudrive_pico2_plan::clocks`]): the crystal's for processor and control, the ring
+//! The clocks of the chip ([`pneudrive_plan::pico2::clocks`]): the crystal's for processor and control, the ring
 //! oscillator's for the watchdog.
 
-use pneudrive_pico2_plan::clocks::{CRYSTAL_HZ, PLL_DIVIDER, PLL_MHZ, tick_cycles};
+use pneudrive_plan::pico2::clocks::{CRYSTAL_HZ, PLL_DIVIDER, PLL_MHZ, tick_cycles};
 use rp235x_hal::clocks::{Clock, ClocksManager};
 use rp235x_hal::fugit::{HertzU32, RateExtU32};
 use rp235x_hal::pac::{CLOCKS, PLL_SYS, RESETS, ROSC, TICKS, XOSC};

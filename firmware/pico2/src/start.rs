@@ -9,7 +9,7 @@ use pneudrive_interfaces::chip::mcp4922::{Channel, Mcp4922};
 use pneudrive_interfaces::digital_pins::DigitalPins;
 use pneudrive_interfaces::step_pins::StepPins;
 use pneudrive_interfaces::wired_board::Stages;
-use pneudrive_pico2_plan::flash::layout;
+use pneudrive_plan::pico2::flash::layout;
 use rp235x_hal::Sio;
 use rp235x_hal::gpio::{PinState, Pins, PullNone};
 use rp235x_hal::pac::Peripherals;

@@ -1,7 +1,7 @@
 //! The watchdog, which counts by the ring oscillator, whatever becomes of the crystal; and its scratch registers: memory
 //! that every reset but that of the power leaves as it is (RP2350 data sheet, 12.9).
 //!
-//! Whoever feeds it compares the two clocks ([`pneudrive_pico2_plan::clocks`]). If they disagree, no period is right any
+//! Whoever feeds it compares the two clocks ([`pneudrive_plan::pico2::clocks`]). If they disagree, no period is right any
 //! more: the drive is disabled, noted, reset.
 //!
 //! | register | holds |
@@ -14,7 +14,7 @@ use core::sync::atomic::{AtomicU32, Ordering};
 
 use pneudrive_app::runtime::spool::SpoolMemory;
 use pneudrive_app::runtime::talk;
-use pneudrive_pico2_plan::clocks::{LOOK_US, RUNNING_US, WRITING_FLASH_US, agree};
+use pneudrive_plan::pico2::clocks::{LOOK_US, RUNNING_US, WRITING_FLASH_US, agree};
 use rp235x_hal::pac::watchdog::RegisterBlock;
 use rp235x_hal::pac::{PSM, WATCHDOG};
 

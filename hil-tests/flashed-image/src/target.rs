@@ -9,7 +9,7 @@ use anyhow::{Context, Result, anyhow};
 use pneudrive_controller::parameters::id;
 use pneudrive_hil_tests::{Supplied, Target};
 use pneudrive_link::client::Client;
-use pneudrive_nucleo_plan::flash::layout;
+use pneudrive_plan::nucleo::flash::layout;
 use pneudrive_sim::{Accuracy, Plant, Rig};
 
 use crate::image::Image;

@@ -20,8 +20,7 @@ const LAYERS: [&[(&str, &str)]; 10] = [
     ],
     &[
         ("pneudrive-interfaces", "firmware/interfaces"),
-        ("pneudrive-nucleo-plan", "firmware/nucleo-f446/plan"),
-        ("pneudrive-pico2-plan", "firmware/pico2/plan"),
+        ("pneudrive-plan", "firmware/plan"),
         ("pneudrive-link", "host/link"),
         ("pneudrive-analysis", "host/analysis"),
     ],
