@@ -47,7 +47,7 @@ pub fn states_in_short(tally: &mut Tally) {
 }
 
 fn all_states(tally: &mut Tally, bounds: &str, profile: &[&str]) {
-    let run_it = ["--package", "pneudrive-protocol-model", "--example", "link_states", "--"];
+    let run_it = ["--package", "pneudrive-link-states", "--example", "link_states", "--"];
     let bounds_of_it: Vec<&str> = bounds.split(' ').collect();
     tally.check(&format!("states of the link: {bounds}"), || {
         run(&mut in_root(&[&["run"], profile, &run_it, &bounds_of_it].concat()))

@@ -21,7 +21,6 @@ use module::Modules;
 const CRATES: [&str; 21] = [
     "shared/controller",
     "shared/protocol",
-    "shared/protocol/model",
     "firmware/app",
     "sim/solver",
     "sim",
@@ -38,6 +37,7 @@ const CRATES: [&str; 21] = [
     "host",
     "host/python",
     "hil-tests",
+    "hil-tests/link-states",
     "hil-tests/flashed-image",
     "xtask",
 ];

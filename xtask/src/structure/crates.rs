@@ -29,7 +29,7 @@ const LAYERS: [&[(&str, &str)]; 10] = [
         ("pneudrive-logs", "host/logs"),
         ("pneudrive-page", "host/page"),
         ("pneudrive-fmu", "host/fmu"),
-        ("pneudrive-protocol-model", "shared/protocol/model"),
+        ("pneudrive-link-states", "hil-tests/link-states"),
     ],
     &[
         ("pneudrive-studio", "host/studio"),

@@ -1,9 +1,9 @@
 //! The checker finds what is planted.
 
-use pneudrive_protocol_model::host::Job::{self, Configures, Follows, Holds, Homes, Rests, Runs, Stops};
-use pneudrive_protocol_model::host::Plan;
-use pneudrive_protocol_model::mutant::Mutant;
-use pneudrive_protocol_model::{Budget, Link};
+use pneudrive_link_states::host::Job::{self, Configures, Follows, Holds, Homes, Rests, Runs, Stops};
+use pneudrive_link_states::host::Plan;
+use pneudrive_link_states::mutant::Mutant;
+use pneudrive_link_states::{Budget, Link};
 
 const NOTHING: Budget =
     Budget { faults: 0, resets: 0, power_cuts: 0, silences: 0, waits: 0, inputs: 0, gateway: false };

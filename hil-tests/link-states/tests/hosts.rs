@@ -1,8 +1,8 @@
 //! What is left out of a host's inputs leaves no trace in what it does.
 
 use pneudrive_app::Server;
-use pneudrive_protocol_model::host::{Host, Input, Job, Plan, Waits};
-use pneudrive_protocol_model::rig::Rig;
+use pneudrive_link_states::host::{Host, Input, Job, Plan, Waits};
+use pneudrive_link_states::rig::Rig;
 
 fn host(inputs: &[Input]) -> Host {
     inputs.iter().fold(Host::default(), |host, input| host.with(input.clone()))

@@ -1,10 +1,8 @@
 //! All states of two hosts and a rig, within bounds that take less than a minute; `cargo xtask link-states` goes further.
 
-use pneudrive_protocol_model::host::Job::{
-    self, Both, Configures, Follows, Holds, Homes, Rests, Runs, Stops,
-};
-use pneudrive_protocol_model::host::Plan;
-use pneudrive_protocol_model::{Budget, Link};
+use pneudrive_link_states::host::Job::{self, Both, Configures, Follows, Holds, Homes, Rests, Runs, Stops};
+use pneudrive_link_states::host::Plan;
+use pneudrive_link_states::{Budget, Link};
 
 const NOTHING: Budget =
     Budget { faults: 0, resets: 0, power_cuts: 0, silences: 0, waits: 0, inputs: 0, gateway: false };

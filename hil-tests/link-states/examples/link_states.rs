@@ -3,8 +3,8 @@
 //! `both`, `homes`, `follows`, `holds`, `stops` or `rests`. WAITS are silences of half the time, INPUTS changes of a PLC's contacts. With
 //! `gateway` frames are repeated as often as may be, with `deep` it takes less memory.
 
-use pneudrive_protocol_model::host::{Job, Plan};
-use pneudrive_protocol_model::{Budget, Link};
+use pneudrive_link_states::host::{Job, Plan};
+use pneudrive_link_states::{Budget, Link};
 
 fn job(name: &str) -> Job {
     match name {
