@@ -18,7 +18,7 @@ use anyhow::{Result, bail};
 use module::Modules;
 
 /// Crates whose modules are looked into: their folders.
-const CRATES: [&str; 21] = [
+const CRATES: [&str; 20] = [
     "shared/controller",
     "shared/protocol",
     "firmware/app",
@@ -31,7 +31,6 @@ const CRATES: [&str; 21] = [
     "host/analysis",
     "host/design",
     "host/page",
-    "host/browser",
     "host/studio",
     "host/fmu",
     "host",

@@ -32,11 +32,11 @@ pub fn usual_folder() -> Result<PathBuf> {
 /// When the target cannot be installed, the designer does not compile, or a file cannot be written.
 pub fn build(folder: &Path) -> Result<()> {
     cargo::ensure_target(TARGET)?;
-    let package = ["build", "--profile", "web", "--package", "pneudrive-browser", "--lib"];
+    let package = ["build", "--profile", "web", "--package", "pneudrive-page", "--example", "designer"];
     run(&mut in_root(&[&package[..], &["--target", TARGET]].concat()))?;
     fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
     // The files of the page without a server go over those of the page with one.
-    for from in ["host/page/web", "host/browser/web"] {
+    for from in ["host/page/web", "host/page/browser/web"] {
         copy_files(&root().join(from), folder)?;
     }
     let index = folder.join("index.html");
@@ -44,7 +44,7 @@ pub fn build(folder: &Path) -> Result<()> {
     ensure!(page.contains(BEFORE_POLICY), "index.html has no place for its policy");
     fs::write(&index, page.replace(BEFORE_POLICY, &format!("{BEFORE_POLICY}{POLICY}")))?;
     let module = folder.join("designer.wasm");
-    fs::copy(built(&format!("{TARGET}/web/pneudrive_browser.wasm"))?, &module)?;
+    fs::copy(built(&format!("{TARGET}/web/examples/designer.wasm"))?, &module)?;
     println!("{}: {} kB of WebAssembly", folder.display(), fs::metadata(&module)?.len() / 1000);
     Ok(())
 }

@@ -5,7 +5,7 @@
 //! ```
 //!
 //! There is no server here, no file and no thread: the same answers come from `pneudrive studio` (`host/studio`) and from
-//! the page itself where it has the designer with it as WebAssembly (`host/browser`). Nothing is kept between requests:
+//! the page itself where it has the designer with it as WebAssembly (`host/page/browser`). Nothing is kept between requests:
 //! each brings the text of the rig file and the settings made on the page, so undo is the page's own affair.
 //!
 //! | module | holds |
@@ -20,6 +20,8 @@
 //! | [`spectrum`] | which frequencies a channel of the run or of the record holds: `spectrum` |
 //! | [`difference`] | the rig of the page and another, key by key: `rig diff` |
 //! | [`study`] | long work on the rig of the page: `sweep`, `tune`, `identify` |
+
+#![forbid(unsafe_code)]
 
 pub mod answer;
 pub mod asked;

@@ -31,11 +31,7 @@ const LAYERS: [&[(&str, &str)]; 10] = [
         ("pneudrive-fmu", "host/fmu"),
         ("pneudrive-link-states", "hil-tests/link-states"),
     ],
-    &[
-        ("pneudrive-studio", "host/studio"),
-        ("pneudrive-browser", "host/browser"),
-        ("pneudrive-python", "host/python"),
-    ],
+    &[("pneudrive-studio", "host/studio"), ("pneudrive-python", "host/python")],
     &[("pneudrive", "host")],
     &[("xtask", "xtask")],
     &[("pneudrive-hil-tests", "hil-tests"), ("pneudrive-fuzz-properties", "fuzz/properties")],

@@ -1,4 +1,4 @@
-//! The designer in the reader's browser: the answers of `host/page` behind functions that a worker calls.
+//! The designer in the reader's browser: the page's answers behind functions that a worker calls.
 //!
 //! ```text
 //! worker:  room(n) -> write the request there -> answer() -> read answer_length() bytes at answer_at()
@@ -12,8 +12,8 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | [`reply`](mod@reply) | a request answered |
-//! | [`exported`] | the functions that the worker calls |
+//! | `reply` | a request answered |
+//! | `exported` | the functions that the worker calls |
 
-pub mod exported;
-pub mod reply;
+mod exported;
+mod reply;

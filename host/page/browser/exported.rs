@@ -3,7 +3,7 @@
 
 use std::sync::{LazyLock, Mutex, MutexGuard, PoisonError};
 
-use crate::reply::reply;
+use super::reply::reply;
 
 /// Nobody listens outside a browser.
 #[cfg(not(target_family = "wasm"))]
