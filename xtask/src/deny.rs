@@ -23,8 +23,8 @@ const FILE: &str = "deny.toml";
 /// What cargo-deny ends with when it knows of a weakness. Without that line it has failed before it could look.
 const VERDICT: &str = "advisories FAILED";
 
-/// The folders of the workspaces whose programs and images are given away. Those of the flashed
-/// image, whose emulator is under the GPL-2, and of the FMU importer run tests alone.
+/// The folders of the workspaces whose programs and images are given away. That of the flashed
+/// image, whose emulator is under the GPL-2, runs tests alone.
 const SHIPPED: [&str; 4] = ["", "firmware", "firmware/pico2", "host/python"];
 
 /// A package as cargo tells of it.

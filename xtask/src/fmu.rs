@@ -1,14 +1,13 @@
-//! FMUs in other programs: written by the command, validated and simulated by FMPy, and loaded by the Rust crate `fmi`.
+//! FMUs in another program: written by the command, validated and simulated by FMPy.
 //!
-//! What FMPy needs is pinned in host/fmu/tests/importers/requirements.txt and installed by pip. The importer with the crate
-//! is a workspace of its own, as it needs libclang.
+//! What FMPy needs is pinned in host/fmu/tests/importers/requirements.txt and installed by pip.
 
 use std::path::PathBuf;
 use std::process::Command;
 
 use anyhow::Result;
 
-use crate::cargo::{self, built, in_inner, in_root, root, run};
+use crate::cargo::{self, in_root, root, run};
 use crate::tools::VALGRIND;
 use crate::venv::Environment;
 
@@ -53,22 +52,4 @@ pub fn test() -> Result<()> {
     let mut tests = Command::new(ENVIRONMENT.interpreter()?);
     tests.args(["-m", "pytest", "-q", "-ra", "-p", "no:cacheprovider"]).current_dir(importers());
     run(tests.env("PNEUDRIVE", cargo::command()?).env("PYTHONDONTWRITEBYTECODE", "1"))
-}
-
-/// A cargo call in the workspace of the importer with the crate `fmi`.
-///
-/// # Errors
-/// When CARGO_TARGET_DIR is relative and the current folder is gone.
-pub fn cargo(arguments: &[&str]) -> Result<Command> {
-    Ok(in_inner(&root().join("host/fmu/importer"), arguments, &built("")?))
-}
-
-/// The call that has the crate `fmi` load what the command writes.
-///
-/// # Errors
-/// When CARGO_TARGET_DIR is relative and the current folder is gone.
-pub fn import() -> Result<Command> {
-    let mut command = cargo(&["test", "--locked"])?;
-    command.env("PNEUDRIVE", cargo::command()?);
-    Ok(command)
 }

@@ -42,8 +42,6 @@ enum Command {
     Deny,
     /// Build the image that links the controller; no panic, no float, no division routine may be in it
     Probe,
-    /// Have the Rust crate fmi load FMUs and run controller and plant in a loop: installs clang where allowed
-    Fmi,
     /// Make the folder of the studio's page that needs no server: the designer as WebAssembly, in the reader's browser
     Web {
         /// The folder [default: target/web]
@@ -106,7 +104,6 @@ fn main() -> ExitCode {
         Command::Docs => steps::docs(&mut tally),
         Command::Deny => deny::check(&mut tally),
         Command::Probe => steps::probe(&mut tally),
-        Command::Fmi => steps::fmi(&mut tally),
         Command::Web { out } => steps::web(&mut tally, out),
         Command::Hil { bodies } => steps::hil(&mut tally, &bodies),
         Command::Flashed { write } => steps::flashed(&mut tally, write),

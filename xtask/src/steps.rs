@@ -9,7 +9,7 @@ use clap::ValueEnum;
 
 use crate::cargo::{self, THUMB, THUMB_V8, in_firmware, in_root, run};
 use crate::tally::{Counts, Tally};
-use crate::tools::{CHROMIUM, CLANG, QEMU};
+use crate::tools::{CHROMIUM, QEMU};
 use crate::{
     axe, boards, deny, firmware, flashed, fmu, instructions, link, memory, probe, processors, python,
     targets, web,
@@ -25,7 +25,6 @@ pub fn fmt(tally: &mut Tally, check: bool) {
     tally.check("format of firmware/", || run(&mut in_firmware(&images, &cargo::image_folder()?)));
     tally.check("format of firmware/pico2/", || run(&mut in_pico2(&images)?));
     tally.check("format of hil-tests/flashed-image/", || run(&mut flashed::cargo(&images)?));
-    tally.check("format of host/fmu/importer/", || run(&mut fmu::cargo(&images)?));
     tally.check("format of host/python/", || run(&mut python::cargo(&images)?));
 }
 
@@ -199,12 +198,6 @@ fn in_browser<'a>(names: &[&'a str]) -> Vec<&'a str> {
     arguments.extend(names.iter().flat_map(|name| ["--test", *name]));
     arguments.extend(["--", "--nocapture", "--test-threads=1"]);
     arguments
-}
-
-/// FMUs loaded by the Rust crate `fmi`, which takes longer to build than the test to run.
-pub fn fmi(tally: &mut Tally) {
-    tally.check(CLANG.program, || CLANG.ensure());
-    tests_by(tally, "FMUs in the crate fmi", fmu::import);
 }
 
 /// The studio's page as a folder of files.

@@ -101,6 +101,8 @@ def test_what_cannot_be_is_an_exception_with_a_message_and_python_lives_on(insta
         drive["load.mass_kg"] = 3.0
     assert "load.mass_kg is fixed" in drive.log[-1]
     with pytest.raises(FMICallException):
+        drive["setpoint_m"] = float("nan")
+    with pytest.raises(FMICallException):
         drive.slave.getFloat64([77_777])
     other = instance("servo-b-tuned", "drive").start()
     with pytest.raises(FMICallException):
