@@ -1,3 +1,3 @@
 #![no_main]
 
-libfuzzer_sys::fuzz_target!(|data: &[u8]| pneudrive_fuzz_properties::frame(data));
+libfuzzer_sys::fuzz_target!(|data: &[u8]| pneudrive_fuzz::frame(data));

@@ -1,3 +1,3 @@
 #![no_main]
 
-libfuzzer_sys::fuzz_target!(|data: &[u8]| pneudrive_fuzz_properties::target_file(data));
+libfuzzer_sys::fuzz_target!(|data: &[u8]| pneudrive_fuzz::target_file(data));

@@ -34,7 +34,7 @@ const LAYERS: [&[(&str, &str)]; 10] = [
     &[("pneudrive-studio", "host/studio"), ("pneudrive-python", "host/python")],
     &[("pneudrive", "host")],
     &[("xtask", "xtask")],
-    &[("pneudrive-hil-tests", "hil-tests"), ("pneudrive-fuzz-properties", "fuzz/properties")],
+    &[("pneudrive-hil-tests", "hil-tests"), ("pneudrive-fuzz", "fuzz")],
     &[("pneudrive-flashed-image", "hil-tests/flashed-image")],
 ];
 

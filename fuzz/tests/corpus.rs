@@ -3,11 +3,11 @@
 use std::fs;
 use std::path::Path;
 
-use pneudrive_fuzz_properties as properties;
+use pneudrive_fuzz as properties;
 
 /// Calls `property` with every input that is kept for a target, which must be some.
 fn replay(target: &str, property: fn(&[u8])) {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../corpus").join(target);
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus").join(target);
     let entries = fs::read_dir(&folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
     let inputs: Vec<_> = entries.map(|entry| entry.expect("readable").path()).collect();
     assert!(inputs.len() >= 5, "{} holds {} inputs", folder.display(), inputs.len());
