@@ -74,7 +74,7 @@ pub const TABLE: &str = "instructions";
 /// # Errors
 /// When there is no emulated board, or no document.
 pub fn write_the_table() -> Result<()> {
-    xtask::figures::write(xtask::figures::FIRMWARE, TABLE, &table(&measure()?))
+    pneudrive_build::figures::write(pneudrive_build::figures::FIRMWARE, TABLE, &table(&measure()?))
 }
 
 /// Steps that begin, arrive and are reversed.

@@ -99,7 +99,8 @@ impl Supplied for QemuTarget {
 /// When it cannot be built.
 pub fn image() -> Result<&'static Path> {
     static IMAGE: OnceLock<Result<PathBuf, String>> = OnceLock::new();
-    let built = IMAGE.get_or_init(|| xtask::firmware::build_emulated().map_err(|error| format!("{error:#}")));
+    let built = IMAGE
+        .get_or_init(|| pneudrive_build::firmware::build_emulated().map_err(|error| format!("{error:#}")));
     built.as_deref().map_err(|error| anyhow!("{error}"))
 }
 
@@ -130,7 +131,7 @@ fn built(what: &[&str]) -> Result<PathBuf> {
     if profile.ends_with("release") {
         arguments.push("--release");
     }
-    let mut build = xtask::cargo::in_root(&arguments);
-    xtask::cargo::run(build.env("CARGO_TARGET_DIR", profile.parent().unwrap_or(profile)))?;
+    let mut build = pneudrive_build::cargo::in_root(&arguments);
+    pneudrive_build::cargo::run(build.env("CARGO_TARGET_DIR", profile.parent().unwrap_or(profile)))?;
     Ok(profile.to_owned())
 }

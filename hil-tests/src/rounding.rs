@@ -7,9 +7,9 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use anyhow::{Context, Result, bail, ensure};
+use pneudrive_build::cargo::{image_folder, root};
+use pneudrive_build::firmware;
 use pneudrive_sim::Rig;
-use xtask::cargo::{image_folder, root};
-use xtask::firmware;
 
 use crate::{QemuTarget, Target, body};
 

@@ -2,10 +2,10 @@
 //! instructions of whole runs in the emulator.
 #![cfg(unix)]
 
+use pneudrive_build::figures::{FIRMWARE, Off};
 use pneudrive_hil_tests::cost::{
     BUDGET, Cost, MAX_INSTRUCTIONS, MAX_INSTRUCTIONS_OF_FIRST, TABLE, measure, table, together,
 };
-use xtask::figures::{FIRMWARE, Off};
 
 #[test]
 fn sample_and_output_take_no_more_instructions_than_is_held() {
@@ -22,6 +22,6 @@ fn sample_and_output_take_no_more_instructions_than_is_held() {
         "{} at a first sample, held are {MAX_INSTRUCTIONS_OF_FIRST}",
         first.most
     );
-    xtask::figures::hold(FIRMWARE, TABLE, &table(&costs), Off::EitherWay)
+    pneudrive_build::figures::hold(FIRMWARE, TABLE, &table(&costs), Off::EitherWay)
         .unwrap_or_else(|error| panic!("{error:#}"));
 }

@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use std::process::Command;
 
 use anyhow::{Context, Result};
+use pneudrive_build::cargo::{built, run};
 
-use crate::cargo::{built, run};
 use crate::tools::NPM;
 
 /// The version that the pages are held against. A newer one has more rules.

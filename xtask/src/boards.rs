@@ -5,11 +5,11 @@ use std::fs;
 use std::ops::Range;
 
 use anyhow::{Context, Result, ensure};
+use pneudrive_build::cargo;
+use pneudrive_build::firmware;
 use pneudrive_plan::nucleo::flash as nucleo;
 use pneudrive_plan::pico2::flash as pico2;
 
-use crate::cargo;
-use crate::firmware;
 use crate::forbidden::Kind;
 use crate::image::Image;
 
@@ -89,6 +89,18 @@ fn check(board: &Board) -> Result<()> {
         let name = [&[board.image], variant.features].concat().join(" with ");
         judge(board, variant, &name).with_context(|| name)
     })
+}
+
+/// Builds the image for the emulated board and prints what it takes of the flash.
+///
+/// # Errors
+/// When it can't be built or read.
+pub fn check_emulated() -> Result<()> {
+    let path = firmware::build_emulated()?;
+    let file = fs::read(&path).with_context(|| format!("{}", path.display()))?;
+    let image = Image::read(&file).with_context(|| format!("{}", path.display()))?;
+    println!("{}: {} bytes of flash (code and constants)", firmware::EMULATED, image.flash_bytes);
+    Ok(())
 }
 
 fn judge(board: &Board, variant: &Variant, name: &str) -> Result<()> {

@@ -7,11 +7,11 @@
 use std::path::Path;
 
 use anyhow::{Context, Result, ensure};
+use pneudrive_build::cargo;
 use serde::Deserialize;
 use spdx::{Expression, Licensee};
 use toml_edit::DocumentMut;
 
-use crate::cargo;
 use crate::tally::Tally;
 
 /// The one registry that code comes from.

@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use std::process::Command;
 
 use anyhow::Result;
+use pneudrive_build::cargo::{built, in_inner, root};
 
-use crate::cargo::{built, in_inner, root};
 use crate::tools::{CLANG, CMAKE, Tool};
 
 /// What the emulator is built with, and what tells Rust of it.

@@ -6,8 +6,8 @@ use std::path::PathBuf;
 use std::process::Command;
 
 use anyhow::Result;
+use pneudrive_build::cargo::{self, in_root, root, run};
 
-use crate::cargo::{self, in_root, root, run};
 use crate::tools::VALGRIND;
 use crate::venv::Environment;
 

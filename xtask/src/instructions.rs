@@ -5,9 +5,9 @@
 use std::process::Command;
 
 use anyhow::{Context, Result, ensure};
+use pneudrive_build::cargo::{built, in_root, run};
+use pneudrive_build::figures::{self, Off, SPEED};
 
-use crate::cargo::{built, in_root, run};
-use crate::figures::{self, Off, SPEED};
 use crate::tools::VALGRIND;
 
 /// The table.

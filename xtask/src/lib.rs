@@ -4,8 +4,6 @@
 //! |---|---|
 //! | [`steps`] | the commands: fmt, lint, test, docs, probe, ci |
 //! | [`tally`] | what passed, what failed; work continues after a failure |
-//! | [`cargo`] | how cargo and rustup are called, and where they build |
-//! | [`firmware`] | builds an image of the inner workspace and tells its size |
 //! | [`flashed`] | runs the image of the Nucleo board with models of its peripherals |
 //! | [`boards`] | builds the images for the Nucleo board and the Pico 2 and judges their size and their control |
 //! | [`deny`] | licences, sources and advisories of other people's code |
@@ -20,7 +18,6 @@
 //! | [`image`] | reads an image: its symbols, its code, forbidden content |
 //! | [`forbidden`] | which symbols those are |
 //! | [`memory`] | what the images take of flash, memory and stack |
-//! | [`figures`] | tables of documents that programs write and tests hold |
 //! | [`instructions`] | what the simulator needs for its runs, and the table that holds it |
 //! | [`processors`] | the simulator's results on emulated processors |
 //! | [`stack`] | the most stack that a function of an image takes |
@@ -29,10 +26,7 @@
 
 pub mod axe;
 pub mod boards;
-pub mod cargo;
 pub mod deny;
-pub mod figures;
-pub mod firmware;
 pub mod flashed;
 pub mod fmu;
 pub mod forbidden;

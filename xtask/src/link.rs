@@ -1,6 +1,7 @@
 //! The link under faults: often, and in all its states.
 
-use crate::cargo::{in_root, run};
+use pneudrive_build::cargo::{in_root, run};
+
 use crate::tally::Tally;
 
 /// The tests of the link, as often as CI has no time for; they print what came of it.

@@ -5,10 +5,10 @@ use std::fs;
 use std::path::Path;
 
 use anyhow::{Context, Result, ensure};
+use pneudrive_build::{cargo, figures, firmware};
 
 use crate::image::Image;
 use crate::stack::Stack;
-use crate::{cargo, figures, firmware};
 
 /// Where the memory begins, on all boards.
 const START: u64 = 0x2000_0000;

@@ -4,9 +4,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail, ensure};
+use pneudrive_build::cargo;
+use pneudrive_build::firmware;
 
-use crate::cargo;
-use crate::firmware;
 use crate::forbidden::Kind;
 use crate::image::Image;
 

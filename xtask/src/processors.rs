@@ -6,8 +6,8 @@
 use std::process::Command;
 
 use anyhow::{Context, Result, ensure};
+use pneudrive_build::cargo::{built, in_root, run};
 
-use crate::cargo::{built, in_root, run};
 use crate::tools::QEMU_USER;
 
 /// Processors of QEMU: with SSE2 and SSE3 alone, without AVX, and with all that QEMU has.

@@ -8,8 +8,8 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use anyhow::{Context, Result, bail};
+use pneudrive_build::cargo::{self, built, in_inner, root, run};
 
-use crate::cargo::{self, built, in_inner, root, run};
 use crate::venv::Environment;
 
 /// Where it is built and tested.

@@ -6,13 +6,13 @@ use std::process::{Command, Stdio};
 
 use anyhow::{Context, Result};
 use clap::ValueEnum;
+use pneudrive_build::cargo::{self, THUMB, THUMB_V8, in_firmware, in_root, run};
+use pneudrive_build::firmware;
 
-use crate::cargo::{self, THUMB, THUMB_V8, in_firmware, in_root, run};
 use crate::tally::{Counts, Tally};
 use crate::tools::{CHROMIUM, QEMU};
 use crate::{
-    axe, boards, deny, firmware, flashed, fmu, instructions, link, memory, probe, processors, python,
-    targets, web,
+    axe, boards, deny, flashed, fmu, instructions, link, memory, probe, processors, python, targets, web,
 };
 
 /// Formats both workspaces, or checks that they are formatted.
@@ -208,7 +208,7 @@ pub fn web(tally: &mut Tally, out: Option<PathBuf>) {
 fn test_without_groups(tally: &mut Tally) {
     tally.check("target of the boards", cargo::ensure_thumb_target);
     tally.check("emulator", || QEMU.ensure());
-    tally.check("image for the emulator", firmware::check_emulated);
+    tally.check("image for the emulator", boards::check_emulated);
     test_programs(tally);
     probe(tally);
 }
@@ -353,7 +353,7 @@ pub fn ci(tally: &mut Tally) {
     tally.check("emulator", || QEMU.ensure());
     let images = std::thread::spawn(|| {
         let mut images = Tally::default();
-        images.check("image for the emulator", firmware::check_emulated);
+        images.check("image for the emulator", boards::check_emulated);
         lint_images(&mut images);
         probe(&mut images);
         images

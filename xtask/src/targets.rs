@@ -1,8 +1,8 @@
 //! Builds for other systems: the command for Windows, with all its features. That of the designer for a browser is [`web`](crate::web).
 
 use anyhow::Result;
+use pneudrive_build::cargo::{self, in_root, run};
 
-use crate::cargo::{self, in_root, run};
 use crate::tally::Tally;
 
 /// Packages that must compile for a target.

@@ -4,8 +4,7 @@
 use std::process::{Command, Stdio};
 
 use anyhow::{Result, bail};
-
-use crate::cargo::run;
+use pneudrive_build::cargo::run;
 
 /// A program, and the package that brings it.
 pub struct Tool {

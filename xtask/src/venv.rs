@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use anyhow::Result;
+use pneudrive_build::cargo::{built, run};
 
-use crate::cargo::{built, run};
 use crate::tools::PYTHON;
 
 /// An environment, by the name of its folder.

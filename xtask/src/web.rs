@@ -5,8 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
-
-use crate::cargo::{self, built, in_root, root, run};
+use pneudrive_build::cargo::{self, built, in_root, root, run};
 
 /// What the browser runs on.
 pub const TARGET: &str = "wasm32-unknown-unknown";

@@ -176,7 +176,7 @@ pub fn image() -> Result<&'static PathBuf> {
         if let Some(named) = std::env::var_os(IMAGE) {
             return Ok(PathBuf::from(named));
         }
-        let folder = xtask::cargo::image_folder().and_then(|folder| build(&folder));
+        let folder = pneudrive_build::cargo::image_folder().and_then(|folder| build(&folder));
         folder.map_err(|error| format!("{error:#}"))
     });
     built.as_ref().map_err(|error| anyhow!("{error}"))
@@ -186,5 +186,5 @@ pub fn image() -> Result<&'static PathBuf> {
 pub const NUCLEO: &str = "nucleo-f446";
 
 fn build(folder: &Path) -> Result<PathBuf> {
-    xtask::firmware::build(folder, NUCLEO, &[]).context("the image that is flashed")
+    pneudrive_build::firmware::build(folder, NUCLEO, &[]).context("the image that is flashed")
 }

@@ -257,7 +257,7 @@ fn row(hazard: &Hazard) -> String {
 
 #[test]
 fn the_table_of_the_documentation_is_this_list() {
-    let path = xtask::cargo::root().join("docs/hazards.md");
+    let path = pneudrive_build::cargo::root().join("docs/hazards.md");
     let text = std::fs::read_to_string(&path).expect("docs/hazards.md");
     let (head, table) = text.split_once(BEGIN).expect("a line that says where the table begins");
     let mut now =

@@ -22,7 +22,7 @@ const LEAKS: [&str; 2] = ["RUSTUP_TOOLCHAIN", "CARGO_BUILD_TARGET"];
 #[must_use]
 pub fn root() -> &'static Path {
     let manifest = Path::new(env!("CARGO_MANIFEST_DIR"));
-    manifest.parent().unwrap_or(manifest)
+    manifest.ancestors().nth(2).unwrap_or(manifest)
 }
 
 /// Where images are built: apart from the target folder of the root workspace, but inside it.

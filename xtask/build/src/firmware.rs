@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result};
 
 use crate::cargo::{self, THUMB, THUMB_V8};
-use crate::image::Image;
 
 /// The image for the emulated board.
 pub const EMULATED: &str = "qemu-mps2";
@@ -75,16 +74,4 @@ fn build_from(
 /// As [`build`].
 pub fn build_emulated() -> Result<PathBuf> {
     build(&cargo::image_folder()?, EMULATED, &[])
-}
-
-/// Builds the image for the emulated board and prints what it takes of the flash.
-///
-/// # Errors
-/// As [`build`], or when the image can't be read.
-pub fn check_emulated() -> Result<()> {
-    let path = build_emulated()?;
-    let file = std::fs::read(&path).with_context(|| format!("{}", path.display()))?;
-    let image = Image::read(&file).with_context(|| format!("{}", path.display()))?;
-    println!("{EMULATED}: {} bytes of flash (code and constants)", image.flash_bytes);
-    Ok(())
 }
