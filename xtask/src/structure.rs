@@ -3,7 +3,7 @@
 //! ```text
 //! siblings     one way: no circle between modules of the same parent, whatever their children use
 //! parent       gives its children types, constants and macros; no function of it is called from below
-//! crates       use only crates of a lower layer
+//! crates       as the map of ARCHITECTURE.md has them: each uses only crates that stand above it there
 //! ```
 
 mod crates;
@@ -15,39 +15,17 @@ use std::path::Path;
 
 use anyhow::{Result, bail};
 
+use crates::Map;
 use module::Modules;
 
-/// Crates whose modules are looked into: their folders.
-const CRATES: [&str; 20] = [
-    "shared/controller",
-    "shared/protocol",
-    "firmware/app",
-    "sim/solver",
-    "sim",
-    "host/tables",
-    "host/records",
-    "host/link",
-    "host/rigs",
-    "host/analysis",
-    "host/design",
-    "host/page",
-    "host/studio",
-    "host/fmu",
-    "host",
-    "host/python",
-    "hil-tests",
-    "hil-tests/link-states",
-    "hil-tests/flashed-image",
-    "xtask",
-];
-
-/// Looks into all crates.
+/// Looks into all crates, and holds the map against them.
 ///
 /// # Errors
 /// When a source cannot be read, or breaks a rule.
 pub fn check(root: &Path) -> Result<()> {
-    let mut broken = crates::upward(root)?;
-    for folder in CRATES {
+    let (uses, workspaces) = crates::of_cargo(root)?;
+    let mut broken = crates::broken(&Map::of_project(root)?, &uses, &workspaces);
+    for folder in uses.keys() {
         broken.extend(of_crate(&root.join(folder))?.into_iter().map(|text| format!("{folder}: {text}")));
     }
     if !broken.is_empty() {

@@ -1,9 +1,11 @@
 //! Sources with a planted fault each.
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
-use super::{crates, of_crate};
+use super::crates::{self, Map, Uses};
+use super::of_crate;
 
 /// A crate of these files; what breaks a rule in it.
 fn broken(files: &[(&str, &str)]) -> Vec<String> {
@@ -61,12 +63,53 @@ fn tests_may_use_what_they_test() {
     assert_eq!(found, <[&str; 0]>::default());
 }
 
+/// A map of three crates in two workspaces.
+const MAP: &str = "## The map\n```\nlaw   integers\nplant a cylinder\nboard an image\n```\nWho uses whom:\n```\nplant -> law\n\
+                   board -> { law (its sample), plant }\n```\nThere are two workspaces:\n\n| `.` | all |\n| `board` | its target |\n";
+
+/// What the crates of the map use; `planted` as well.
+fn uses(planted: &[(&str, &str)]) -> Uses {
+    let all = [("plant", "law"), ("board", "law"), ("board", "plant")];
+    let mut uses = Uses::from([("law".to_owned(), BTreeSet::new())]);
+    for (from, to) in all.iter().chain(planted) {
+        uses.entry((*from).to_owned()).or_default().insert((*to).to_owned());
+    }
+    uses
+}
+
+/// What is wrong with a map of these crates.
+fn wrong(text: &str, uses: &Uses) -> Vec<String> {
+    let workspaces = [".", "board"].map(str::to_owned).into();
+    crates::broken(&Map::read(text).expect("a map"), uses, &workspaces)
+}
+
 #[test]
-fn a_crate_that_depends_on_a_layer_above_it_is_found() {
-    let manifest = "[dependencies]\nanyhow = \"1\"\npneudrive-sim.workspace = true\n";
-    let found = crates::not_below("pneudrive-controller", 0, manifest).expect("a manifest");
-    assert_eq!(found, ["pneudrive-controller depends on pneudrive-sim, which is not a layer below it"]);
-    assert!(crates::not_below("pneudrive", 3, manifest).expect("a manifest").is_empty());
+fn a_map_that_says_what_cargo_says_is_right() {
+    assert_eq!(wrong(MAP, &uses(&[])), <[&str; 0]>::default());
+}
+
+#[test]
+fn a_planted_upward_arrow_is_found_even_if_the_map_has_it() {
+    let planted = uses(&[("law", "board")]);
+    let upward = "law uses board, which does not stand above it in the map";
+    assert_eq!(wrong(MAP, &planted), ["Who uses whom: law: too many [], missing [board]", upward]);
+    let with_it = MAP.replace("plant -> law", "law -> board\nplant -> law");
+    assert_eq!(wrong(&with_it, &planted), [upward]);
+}
+
+#[test]
+fn a_map_that_lacks_a_crate_or_an_arrow_or_has_too_many_is_wrong() {
+    for (from, to, told) in [
+        ("plant a cylinder\n", "", "The map: too many [], missing [plant]"),
+        ("law   integers", "law\nlink", "The map: too many [link], missing []"),
+        (", plant }", " }", "Who uses whom: board: too many [], missing [plant]"),
+        ("plant -> law", "plant -> law\nlink -> law", "Who uses whom: there is no crate link"),
+        ("| `board` | its target |", "", "workspaces: too many [], missing [board]"),
+        ("two workspaces", "seven workspaces", "there are 2 workspaces, and not seven"),
+    ] {
+        let found = wrong(&MAP.replace(from, to), &uses(&[]));
+        assert!(found.iter().any(|found| found == told), "{told}: {found:?}");
+    }
 }
 
 #[test]
