@@ -1,76 +1,48 @@
 //! Exit codes: one for each kind of end, so that a script can distinguish them.
 
 use std::error::Error as StdError;
-use std::fmt::{self, Display, Formatter};
+use std::fmt::Display;
 use std::io::{self, ErrorKind};
 use std::process::ExitCode;
 
 use anyhow::Error;
-use pneudrive_link::failure::Failure;
+use pneudrive_link::failure::{Failure, Marked};
 
-/// A way in which the program ends. Its number is the exit code and never changes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(u8)]
-pub enum Exit {
-    /// The request is done.
-    Done = 0,
-    /// Any failure without a code of its own.
-    Failed = 1,
-    /// The command line is wrong.
-    Usage = 2,
-    /// A named rig, file or folder does not exist.
-    NotThere = 3,
-    /// No rig can be reached.
-    NoAnswer = 4,
-    /// The rig refuses.
-    Refused = 5,
-    /// The drive has tripped.
-    Tripped = 6,
-    /// The data do not bear out what was asked of them.
-    NotBorneOut = 7,
-    /// Something cannot be written.
-    Unwritten = 8,
-    /// A simulated run is not converged, and `--strict` asked for that.
-    Unconverged = 9,
-    /// Ctrl-C: the code that a shell reports for a program ended by SIGINT.
-    Interrupted = 130,
-    /// Nobody reads the output: the code that a shell reports for a program ended by SIGPIPE.
-    ReaderGone = 141,
+macro_rules! exits {
+    ($($name:ident = $code:literal: $meaning:literal)*) => {
+        /// A way in which the program ends. Its number is the exit code and never changes.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        #[repr(u8)]
+        pub enum Exit {
+            $(#[doc = $meaning] $name = $code,)*
+        }
+
+        /// Every end, and what it means to a user.
+        pub const EXITS: &[(Exit, &str)] = &[$((Exit::$name, $meaning)),*];
+    };
 }
 
-/// Every end, and what it means to a user.
-pub const EXITS: [(Exit, &str); 12] = [
-    (
-        Exit::Done,
-        "done; a simulated drive that trips and a run that is not converged also count as done, unless `--strict` is given",
-    ),
-    (Exit::Failed, "failed for a reason without a code of its own, such as errors in a rig or a file"),
-    (Exit::Usage, "wrong usage: the command line is wrong or incomplete"),
-    (Exit::NotThere, "no such rig, file or folder"),
-    (Exit::NoAnswer, "no rig can be reached: the port cannot be opened, nothing answers, or the link broke"),
-    (
-        Exit::Refused,
-        "the rig refuses: its state does not allow the request, or another program commands the drive",
-    ),
-    (
-        Exit::Tripped,
-        "the drive tripped during the run or the homing run; with `simulate --strict`, also a simulated drive",
-    ),
-    (
-        Exit::NotBorneOut,
-        "the model does not fit, the data cannot check_convergence, or a replay differs from the record",
-    ),
-    (Exit::Unwritten, "a file or the output cannot be written: the disk is full, or a limit is reached"),
-    (Exit::Unconverged, "with `simulate --strict`: the run is not converged"),
-    (Exit::Interrupted, "stopped by Ctrl-C, SIGTERM or SIGHUP"),
-    (Exit::ReaderGone, "the reader of the output has gone, as in `pneudrive study list | head -1`"),
-];
+exits! {
+    Done = 0: "done; a simulated drive that trips and a run that is not converged also count as done, unless `--strict` is given"
+    Failed = 1: "failed for a reason without a code of its own, such as errors in a rig or a file"
+    Usage = 2: "wrong usage: the command line is wrong or incomplete"
+    NotThere = 3: "no such rig, file or folder"
+    NoAnswer = 4: "no rig can be reached: the port cannot be opened, nothing answers, or the link broke"
+    Refused = 5: "the rig refuses: its state does not allow the request, or another program commands the drive"
+    Tripped = 6: "the drive tripped during the run or the homing run; with `simulate --strict`, also a simulated drive"
+    NotBorneOut = 7: "the model does not fit, the data cannot check_convergence, or a replay differs from the record"
+    Unwritten = 8: "a file or the output cannot be written: the disk is full, or a limit is reached"
+    Unconverged = 9: "with `simulate --strict`: the run is not converged"
+    // As a shell reports a program that was ended by SIGINT, or by SIGPIPE.
+    Interrupted = 130: "stopped by Ctrl-C, SIGTERM or SIGHUP"
+    ReaderGone = 141: "the reader of the output has gone, as in `pneudrive study list | head -1`"
+}
 
 /// The text of `pneudrive --help` after the list of commands.
 #[must_use]
 pub fn help() -> String {
-    let lines = EXITS.map(|(exit, meaning)| format!("  {:>3}  {meaning}\n", exit as u8));
-    format!("Start with: pneudrive demo\n\nExit codes:\n{}", lines.concat())
+    let lines = EXITS.iter().map(|(exit, meaning)| format!("  {:>3}  {meaning}\n", *exit as u8));
+    format!("Start with: pneudrive demo\n\nExit codes:\n{}", lines.collect::<String>())
 }
 
 impl Exit {
@@ -82,7 +54,7 @@ impl Exit {
     /// The same error, marked to end the program with this code.
     #[must_use]
     pub fn of(self, error: Error) -> Error {
-        Ending { exit: self, error }.into()
+        Marked { mark: self, error }.into()
     }
 
     /// The exit code of an error: the one it is marked with or, for a system error, the one of its kind.
@@ -93,7 +65,7 @@ impl Exit {
 
     /// The exit code of one cause in the chain of an error.
     fn of_cause(cause: &(dyn StdError + 'static)) -> Option<Exit> {
-        let ending = cause.downcast_ref::<Ending>().map(|ending| ending.exit);
+        let ending = cause.downcast_ref::<Marked<Exit>>().map(|ending| ending.mark);
         let of_link = || Failure::of_cause(cause).map(Exit::from);
         let of_system = || cause.downcast_ref::<io::Error>().and_then(|error| of_kind(error.kind()));
         ending.or_else(of_link).or_else(of_system)
@@ -130,25 +102,6 @@ fn of_kind(kind: ErrorKind) -> Option<Exit> {
 impl From<Exit> for ExitCode {
     fn from(exit: Exit) -> ExitCode {
         ExitCode::from(exit as u8)
-    }
-}
-
-/// An error marked with an exit code; it reads like the error itself.
-#[derive(Debug)]
-struct Ending {
-    exit: Exit,
-    error: Error,
-}
-
-impl Display for Ending {
-    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        Display::fmt(&self.error, f)
-    }
-}
-
-impl StdError for Ending {
-    fn source(&self) -> Option<&(dyn StdError + 'static)> {
-        self.error.source()
     }
 }
 
@@ -191,7 +144,8 @@ mod tests {
         assert!(EXITS.is_sorted_by(|(a, _), (b, _)| (*a as u8) < (*b as u8)));
         let documented = include_str!("../../docs/exit-codes.md");
         let rows: Vec<&str> = documented.lines().filter(|line| line.starts_with("| ")).skip(1).collect();
-        let table = EXITS.map(|(exit, meaning)| format!("| {} | {meaning} |", exit as u8));
+        let row = |(exit, meaning): &(Exit, &str)| format!("| {} | {meaning} |", *exit as u8);
+        let table: Vec<String> = EXITS.iter().map(row).collect();
         assert_eq!(rows, table);
         assert!(
             table.iter().all(

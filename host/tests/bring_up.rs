@@ -7,13 +7,13 @@ use std::time::Duration;
 use anyhow::Result;
 use pneudrive_controller::Move;
 use pneudrive_controller::parameters::id;
-use pneudrive_link::bring_up::{Check, Operator, Options, Report, Verdict, bring_up};
 use pneudrive_link::client::Client;
 use pneudrive_protocol::Mode;
 use pneudrive_records::move_records::MoveRecord;
 use pneudrive_rigs::persistent_flash::PersistentFlash;
 use pneudrive_rigs::virtual_rig::{Background, Listener, Pace, VirtualRig};
 use pneudrive_rigs::wiring::{Wiring, WiringFault};
+use pneudrive_session::bring_up::{Check, Operator, Options, Report, Verdict, bring_up};
 use pneudrive_sim::Rig;
 use program::{folder, transcript};
 

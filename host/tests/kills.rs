@@ -16,10 +16,12 @@ use std::process::{Command, Stdio};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::Instant;
 
-use pneudrive::command::record::record;
 use pneudrive_link::client::Client;
 use pneudrive_protocol::RecordedSample;
 use pneudrive_records::target::TargetFile;
+
+use pneudrive_session::record::{Watch, to_folder, to_memory};
+use pneudrive_session::state;
 
 use program::{folder, ok, transcript, virtual_rig};
 use simulated_link::{Random, SimulatedRig, any_samples, cases};
@@ -33,6 +35,10 @@ fn files(folder: &Path, ending: &str) -> Vec<PathBuf> {
 
 fn samples_of(path: &Path) -> Vec<RecordedSample> {
     TargetFile::read(path).expect("a whole file").samples.into_iter().map(|(_, sample)| sample).collect()
+}
+
+fn record(client: &mut Client, folder: &Path) -> anyhow::Result<(PathBuf, TargetFile)> {
+    to_folder(client, folder, &mut |_, _| Ok(()))
 }
 
 /// What the system has not written when a program or the power goes: the end of the part file.
@@ -100,6 +106,34 @@ fn nothing_that_came_before_a_kill_is_asked_for_again() {
     let carried = rig.change(|simulation| simulation.down.carried);
     // The whole record, what the rig says of itself and of it twice, and what was on its way.
     assert!(carried < 63_300 + 2 * 1700 + 8 * 470, "{carried} bytes came");
+}
+
+/// As the studio and the Python package record: what has arrived lies in the folder of states until the record is whole.
+#[test]
+fn a_record_that_goes_to_no_folder_is_gone_on_with_as_well() {
+    let mut random = Random(4);
+    let samples = any_samples(&mut random, 4389);
+    let rig = SimulatedRig::with_record(&samples);
+    let part = state::file("the simulated rig", "part").expect("a folder of states");
+    rig.change(|simulation| {
+        simulation.rest(700);
+        simulation.breaks_in(40_000);
+    });
+    let record = |watch: &mut Watch<'_>| rig.connect().and_then(|mut client| to_memory(&mut client, watch));
+    let broken = format!("{:#}", record(&mut |_, _| Ok(())).expect_err("killed"));
+    assert!(broken.contains("record again to resume") && part.exists(), "{broken}");
+    let mut first = None;
+    let ended = record(&mut |done, all| {
+        first = first.or((all > 0).then_some(done));
+        if done > 3000 { anyhow::bail!("enough") } else { Ok(()) }
+    });
+    assert!(format!("{:#}", ended.expect_err("the caller has ended it")).ends_with(": enough"));
+    assert!(first.is_some_and(|there| there > 2000), "{first:?} samples were there");
+    let (_, file) = record(&mut |_, _| Ok(())).expect("a good line");
+    let whole: Vec<RecordedSample> = file.samples.into_iter().map(|(_, sample)| sample).collect();
+    assert!(whole == samples && !part.exists());
+    let carried = rig.change(|simulation| simulation.down.carried);
+    assert!(carried < 63_300 + 3 * 1700 + 2 * 8 * 470, "{carried} bytes came");
 }
 
 #[test]

@@ -27,13 +27,13 @@ enum Command {
         /// This group alone
         group: Option<Group>,
     },
-    /// Format both workspaces
+    /// Format all workspaces
     Fmt {
         /// Only tell what is not formatted
         #[arg(long)]
         check: bool,
     },
-    /// Clippy on both workspaces, warnings as errors
+    /// Clippy on the root workspace and the images, warnings as errors
     Lint,
     /// Build the documentation, warnings as errors
     Docs,

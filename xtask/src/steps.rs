@@ -15,7 +15,7 @@ use crate::{
     axe, boards, deny, flashed, fmu, instructions, link, memory, probe, processors, python, targets, web,
 };
 
-/// Formats both workspaces, or checks that they are formatted.
+/// Formats all workspaces, or checks that they are formatted.
 pub fn fmt(tally: &mut Tally, check: bool) {
     let check: &[&str] = if check { &["--", "--check"] } else { &[] };
     let root = [&["fmt", "--all"], check].concat();
@@ -28,7 +28,7 @@ pub fn fmt(tally: &mut Tally, check: bool) {
     tally.check("format of host/python/", || run(&mut python::cargo(&images)?));
 }
 
-/// Clippy on both workspaces; a warning is an error.
+/// Clippy on the root workspace and the images; a warning is an error.
 pub fn lint(tally: &mut Tally) {
     lint_root(tally);
     lint_images(tally);

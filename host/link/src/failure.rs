@@ -1,7 +1,7 @@
 //! Why a request to a rig failed: a kind for programs, and a message for people.
 
 use std::error::Error as StdError;
-use std::fmt::{self, Display, Formatter};
+use std::fmt::{self, Debug, Display, Formatter};
 
 use anyhow::Error;
 
@@ -27,30 +27,32 @@ impl Failure {
     /// The same error, marked as one of this kind.
     #[must_use]
     pub fn of(self, error: Error) -> Error {
-        Failed { failure: self, error }.into()
+        Marked { mark: self, error }.into()
     }
 
     /// The kind of one cause in the chain of an error; None if the cause is not of this crate.
     #[must_use]
     pub fn of_cause(cause: &(dyn StdError + 'static)) -> Option<Failure> {
-        cause.downcast_ref::<Failed>().map(|failed| failed.failure)
+        cause.downcast_ref::<Marked<Failure>>().map(|marked| marked.mark)
     }
 }
 
 /// An error marked with its kind; it reads like the error itself.
 #[derive(Debug)]
-struct Failed {
-    failure: Failure,
-    error: Error,
+pub struct Marked<K> {
+    /// The kind.
+    pub mark: K,
+    /// The error.
+    pub error: Error,
 }
 
-impl Display for Failed {
+impl<K> Display for Marked<K> {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         Display::fmt(&self.error, f)
     }
 }
 
-impl StdError for Failed {
+impl<K: Debug> StdError for Marked<K> {
     fn source(&self) -> Option<&(dyn StdError + 'static)> {
         self.error.source()
     }

@@ -9,6 +9,9 @@ use pneudrive_protocol::Mode;
 use pneudrive_records::target::TargetFile;
 use pneudrive_records::units::Units;
 use pneudrive_records::words;
+use pneudrive_session::drive;
+use pneudrive_session::record::to_memory;
+use pneudrive_session::streaming::ToFile;
 use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
@@ -202,7 +205,7 @@ impl Drive {
 
     /// Enables the drive with the valve at null; clears a fault. This program commands it from now on.
     fn arm(&self, py: Python<'_>) -> PyResult<()> {
-        self.act(py, None, |client, _| client.arm().map(drop))
+        self.act(py, None, |client, _| drive::arm(client))
     }
 
     /// Disables the drive.
@@ -233,7 +236,7 @@ impl Drive {
                 (Some(counts), _) => counts,
                 (None, mm) => at(mm.unwrap_or(f64::NAN))?,
             };
-            client.reference(count)
+            drive::reference(client, count).map(drop)
         })
     }
 
@@ -283,10 +286,10 @@ impl Drive {
             return Ok(Py::new(py, self.stream_live(py, &order, every)?)?.into_any());
         };
         let bar = progress::of(py, progress, "running")?;
-        let to = (file, every);
+        let to = ToFile { path: file, every };
         self.act(py, bar, |client, meter| order.carry_out(client, Some(&to), meter))?;
-        let read = work::at_once(|| TargetFile::read(&to.0))?;
-        Ok(Target::of(py, name_of(&to.0), read)?.into_any())
+        let read = work::at_once(|| TargetFile::read(&to.path))?;
+        Ok(Target::of(py, name_of(&to.path), read)?.into_any())
     }
 
     /// Runs the tests that a fit needs: the drive moves through most of its stroke, in open loop, too. Returns the records
@@ -301,15 +304,15 @@ impl Drive {
         files.into_iter().map(|(name, file)| Target::of(py, name, file)).collect()
     }
 
-    /// Downloads what was recorded last.
+    /// Downloads what was recorded last; a download that was interrupted is resumed.
     #[pyo3(signature = (*, progress=None))]
     fn record(&self, py: Python<'_>, progress: Option<Py<PyAny>>) -> PyResult<Py<Target>> {
         let bar = progress::of(py, progress, "recording")?;
-        let file = self.act(py, bar, |client, meter| {
-            let (info, parameters) = (client.info()?, client.parameters()?);
-            let test = client.test()?;
-            let record = client.record(|done, all| meter.at(done as u64, all as u64))?;
-            Ok(TargetFile::new(&record, &info, &parameters)?.with_test(test.as_ref()))
+        let (_, file) = self.act(py, bar, |client, meter| {
+            to_memory(client, &mut |done, all| {
+                meter.note(done as u64, all as u64);
+                meter.check()
+            })
         })?;
         Target::of(py, format!("record of {}", self.port), file)
     }

@@ -52,7 +52,7 @@ impl Meter {
     /// # Errors
     /// When the work is to end.
     pub fn check(&self) -> anyhow::Result<()> {
-        if self.is_ending() { anyhow::bail!("stopped before the run was started") } else { Ok(()) }
+        if self.is_ending() { anyhow::bail!("stopped by the caller") } else { Ok(()) }
     }
 
     fn is_ending(&self) -> bool {

@@ -131,7 +131,7 @@ def test_a_stream_has_every_sample_of_the_run(port: str, rig: Rig, tmp_path: Pat
         record = drive.record()
         assert np.array_equal(streamed["position_counts"], record["position_counts"])
         assert streamed.transient().gaps == []
-        with pytest.raises(pneudrive.PneudriveError, match="exists already; choose another file"):
+        with pytest.raises(pneudrive.PneudriveError, match="already exists; choose another file"):
             drive.stream(rig, tmp_path / "stream.txt")
         half = drive.stream(rig, tmp_path / "half.txt", every=2)
         assert np.array_equal(half["index"], streamed["index"][::2])

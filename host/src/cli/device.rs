@@ -4,8 +4,8 @@ use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
-use pneudrive_link::bring_up::{MAX_PERCENT, PUSH_WAIT_S};
 use pneudrive_records::parameter_names::whole_number;
+use pneudrive_session::bring_up::{MAX_PERCENT, PUSH_WAIT_S};
 
 use super::PortChoice;
 

@@ -15,6 +15,7 @@ use pneudrive_records::run_folder::{self, Numbered, StoredRun};
 use pneudrive_records::target::TargetFile;
 use pneudrive_records::words;
 use pneudrive_rigs::virtual_rig::{Background, Listener, Pace, VirtualRig};
+use pneudrive_session::test_run::TestRun;
 use pneudrive_sim::{Accuracy, Rig};
 use serde_json::json;
 
@@ -34,7 +35,7 @@ fn on_the_rig(port: &str, model: &Rig, out: &Path) -> Result<(PathBuf, TargetFil
     say!("   {} on {port}: {}", info.board, info.firmware);
 
     say!("2. the step test on it, over the real protocol");
-    run_test(&mut client, model, model.last_sample(), false, None)?;
+    run_test(&mut client, TestRun::of(model), None)?;
 
     say!("3. its transient, recorded");
     let (path, target) = record(&mut client, out)?;

@@ -12,12 +12,13 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, Result, bail};
 use pneudrive_controller::parameters::id;
 use pneudrive_link::client::{Client, Commander};
-use pneudrive_link::firmware_notes::{report_armed, report_boots, report_run_input};
 use pneudrive_protocol::{
     ConfigState, Event, HISTOGRAM_BINS, Mode, Motion, Presence, Spread, Status, UNTIL_STOPPED,
 };
 use pneudrive_records::units::Units;
 use pneudrive_records::words;
+use pneudrive_session::drive;
+use pneudrive_session::firmware_notes::report_boots;
 use serde_json::{Value, json};
 
 use super::interrupts::Interrupts;
@@ -32,11 +33,9 @@ pub(super) fn execute(arguments: &Device) -> Result<()> {
         DeviceAction::Info => info(&mut client),
         DeviceAction::Status => status(&mut client, arguments.counts),
         DeviceAction::Arm => {
-            report_boots(&client);
-            let off = client.arm()?;
+            drive::arm(&mut client)?;
             say!("armed: the drive is enabled, the valve at null");
-            report_armed(&off);
-            report_run_input(&mut client)
+            Ok(())
         }
         DeviceAction::Disarm => {
             client.disarm()?;
@@ -62,21 +61,14 @@ pub(super) fn execute(arguments: &Device) -> Result<()> {
 
 /// Sets the encoder's counter to the current position.
 fn reference(client: &mut Client, position: Position, counts: bool) -> Result<()> {
-    let parameters = client.parameters()?;
-    let units = Units::of(&parameters);
+    let units = Units::of(&client.parameters()?);
     let count = match position {
         Position::Counts(count) => count,
         Position::Millimetres(mm) => units.count_at(mm).with_context(|| {
             format!("{mm} mm is out of the range of its encoder, or the scale of the encoder is not known; give the position in counts")
         })?,
     };
-    let zero = match parameters.values.absolute_zero() {
-        Some(zero) => set_zero(client, zero, count)?,
-        None => None,
-    };
-    if zero.is_none() {
-        client.reference(count)?;
-    }
+    let zero = drive::reference(client, count)?;
     let zero_mm = zero.and_then(|zero| units.millimetres(zero));
     json::figures(|| {
         json!({
@@ -94,21 +86,6 @@ fn reference(client: &mut Client, position: Position, counts: bool) -> Result<()
         );
     }
     Ok(())
-}
-
-/// Sets the zero of an absolute encoder so that the axis stands at `count`; None if the board has none that is absolute.
-///
-/// The first change brings what counts mean in line with the parameter, whatever was referenced before.
-fn set_zero(client: &mut Client, zero: i32, count: i32) -> Result<Option<i32>> {
-    let other = zero ^ 1;
-    client.set_parameters(id::ENCODER_ZERO_COUNTS, &[other])?;
-    let status = client.status()?;
-    if !status.referenced {
-        return Ok(None);
-    }
-    let zero = other.wrapping_add(count).wrapping_sub(status.position);
-    client.set_parameters(id::ENCODER_ZERO_COUNTS, &[zero])?;
-    Ok(Some(zero))
 }
 
 fn info(client: &mut Client) -> Result<()> {

@@ -1,17 +1,17 @@
 //! `pneudrive run`.
 
-use std::path::Path;
 use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
 use pneudrive_controller::parameters::id;
 use pneudrive_link::client::Client;
-use pneudrive_link::test_run;
-use pneudrive_protocol::{Mode, Status, UNTIL_STOPPED};
+use pneudrive_protocol::{Status, UNTIL_STOPPED};
 use pneudrive_records::move_points::Through;
 use pneudrive_records::parameter_names::is_parameter;
 use pneudrive_records::rig_info::RigParameters;
 use pneudrive_records::stream_file::MAX_SAMPLES;
+use pneudrive_session::streaming::{Streamed, ToFile};
+use pneudrive_session::test_run::{Ran, TestRun};
 use pneudrive_sim::Rig;
 use pneudrive_sim::component::controller;
 use pneudrive_sim::keys;
@@ -20,19 +20,19 @@ use serde_json::json;
 use super::interrupts::Interrupts;
 use super::progress::Progress;
 use super::rig_source::{load_rig, through_points};
-use super::streaming::Streaming;
 use crate::cli::Run;
 use crate::json;
 
 pub(super) fn execute(arguments: &Run) -> Result<()> {
     let rig = rig_of(arguments)?;
     let mut client = arguments.port.connect()?;
-    let streaming = arguments.stream.as_deref().map(|path| (path, arguments.every));
+    let to = arguments.stream.clone().map(|path| ToFile { path, every: arguments.every });
     let last_sample = last_sample(arguments, &rig)?;
     if arguments.stream.is_some() {
         check_length(last_sample, arguments.every, &rig)?;
     }
-    run_test(&mut client, &rig, last_sample, arguments.config, streaming)?;
+    let test = TestRun { rig: &rig, last_sample, with_parameters: arguments.config };
+    run_test(&mut client, test, to.as_ref())?;
     json::figures(
         || json!({ "rig": rig.name(), "ended_by": if last_sample == UNTIL_STOPPED { "Ctrl-C" } else { "the test" } }),
     );
@@ -137,57 +137,33 @@ fn check_length(last_sample: u32, every: u16, rig: &Rig) -> Result<()> {
     Ok(())
 }
 
-/// Downloads the test of a rig (with its parameters, if asked for), arms, starts and follows it to this
-/// sample; every Nth sample goes to a file, if one is given.
-pub(super) fn run_test(
-    client: &mut Client,
-    rig: &Rig,
-    last_sample: u32,
-    with_parameters: bool,
-    streaming: Option<(&Path, u16)>,
-) -> Result<()> {
-    if let Some((path, _)) = streaming {
-        Streaming::check(client, path)?;
-    }
-    let parameters = test_run::prepare(client, rig, last_sample, with_parameters, streaming.is_some())?;
-    let mut stream = streaming
-        .map(|(path, every)| Streaming::begin(client, rig.name(), &parameters, path, every))
-        .transpose()?;
+/// Runs a test with a progress bar; it is streamed to a file, if one is given.
+pub(super) fn run_test(client: &mut Client, test: TestRun<'_>, to: Option<&ToFile>) -> Result<()> {
+    let prepared = test.prepare(client, to)?;
     let interrupts = Interrupts::watch();
-    let mut interrupted = || if interrupts.look() { Err(interrupts.not_begun()) } else { Ok(()) };
-    if let Err(error) = test_run::start(client, rig, &mut interrupted) {
-        stream.map_or(Ok(()), |stream| stream.end(client))?;
-        return Err(error);
-    }
-    let followed = follow(client, last_sample, stream.as_mut(), &interrupts);
-    // The file is ended first, whatever became of the run.
-    let ended = stream.map_or(Ok(()), |stream| stream.end(client));
-    interrupts.explain(followed).and(ended)
-}
-
-/// Follows a run to its end with a progress bar, and streams it if requested.
-fn follow(
-    client: &mut Client,
-    last_sample: u32,
-    stream: Option<&mut Streaming>,
-    interrupts: &Interrupts,
-) -> Result<Mode> {
-    let mut progress = match last_sample {
+    let mut progress = None;
+    let begin = || match test.last_sample {
         UNTIL_STOPPED => Progress::endless("running", "Ctrl-C ends the run"),
         _ => Progress::new("running"),
     };
     let progressed = |status: &Status| {
-        progress.at(u64::from(status.index), u64::from(status.duration_samples));
+        let bar = progress.get_or_insert_with(begin);
+        bar.at(u64::from(status.index), u64::from(status.duration_samples));
         interrupts.look();
     };
-    let followed = match stream {
-        None => client.follow(interrupts.seen(), progressed).map(|status| status.mode),
-        Some(stream) => client
-            .follow_streamed(interrupts.seen(), progressed, |row| stream.take(row))
-            .map(|(status, _)| status.mode),
-    };
-    progress.done();
-    followed
+    let mut goes_on = || if interrupts.look() { Err(interrupts.not_begun()) } else { Ok(()) };
+    let Ran { ended, streamed } = prepared.run(client, interrupts.seen(), &mut goes_on, progressed);
+    progress.into_iter().for_each(Progress::done);
+    interrupts.explain(ended).and(streamed.map(|file| file.iter().for_each(report_stream)))
+}
+
+/// Reports the samples and gaps of a stream.
+fn report_stream(stream: &Streamed) {
+    let Streamed { path, samples, missing } = stream;
+    json::figures(|| json!({ "stream": { "file": path, "samples": samples, "missing": missing } }));
+    let lost =
+        if *missing == 0 { "none missing".to_owned() } else { format!("{missing} MISSING, see its gaps") };
+    say!("{}: {samples} samples, {lost}", path.display());
 }
 
 /// Reports how long the drive holds without a host.

@@ -11,11 +11,11 @@ use std::thread::sleep;
 use std::time::Duration;
 
 use pneudrive_link::client::Client;
-use pneudrive_link::test_run;
 use pneudrive_protocol::Mode;
 use pneudrive_records::rig_text;
 use pneudrive_records::target::TargetFile;
 use pneudrive_rigs::virtual_rig::{Background, Listener, Pace, VirtualRig};
+use pneudrive_session::test_run;
 use pneudrive_sim::Rig;
 use pneudrive_sim::rig::builtin;
 use serde_json::json;

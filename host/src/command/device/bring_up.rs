@@ -4,10 +4,10 @@ use std::io::{BufRead, IsTerminal, stderr, stdin};
 use std::time::Duration;
 
 use anyhow::{Context, Result};
-use pneudrive_link::bring_up::{Check, Operator, Options, Report, Verdict, bring_up};
 use pneudrive_link::client::Client;
-use pneudrive_link::firmware_notes::report_boots;
 use pneudrive_records::whole_file;
+use pneudrive_session::bring_up::{Check, Operator, Options, Report, Verdict, bring_up};
+use pneudrive_session::firmware_notes::report_boots;
 use serde_json::{Value, json};
 
 use super::super::interrupts::Interrupts;
@@ -99,19 +99,6 @@ impl Operator for Person {
 }
 
 fn figures(report: &Report) -> Value {
-    let check = |check: &Check| {
-        json!({
-            "name": check.name,
-            "did": check.did,
-            "saw": check.saw,
-            "must": check.must,
-            "verdict": check.verdict.word().to_lowercase(),
-            "advice": check.advice,
-        })
-    };
-    json!({
-        "board": report.board,
-        "firmware": report.firmware,
-        "checks": report.checks.iter().map(check).collect::<Vec<_>>(),
-    })
+    let checks: Vec<Value> = report.checks.iter().map(Check::to_json).collect();
+    json!({ "board": report.board, "firmware": report.firmware, "checks": checks })
 }

@@ -6,10 +6,10 @@ use anyhow::{Context, Result, anyhow, bail};
 use pneudrive_controller::Parameters;
 use pneudrive_controller::parameters::{TABLE, by_name};
 use pneudrive_link::client::Client;
-use pneudrive_link::firmware_notes::report_missing;
 use pneudrive_records::parameter_names::{Written, names_of};
 use pneudrive_records::whole_file::put;
 use pneudrive_records::words::few;
+use pneudrive_session::firmware_notes::report_missing;
 use pneudrive_sim::Rig;
 use serde_json::{Value, json};
 

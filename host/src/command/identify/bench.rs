@@ -2,15 +2,15 @@
 
 use std::path::Path;
 
-use anyhow::{Context, Error, Result, bail};
+use anyhow::{Error, Result, bail};
 use pneudrive_analysis::identification::plan::{self, Bench, NEEDS_PRESSURES, Recorded};
 use pneudrive_controller::parameters::id;
-use pneudrive_link::borrowed::Borrowed;
 use pneudrive_link::client::Client;
 use pneudrive_records::target::TargetFile;
 use pneudrive_records::units::lacks_pressures;
+use pneudrive_session::borrowed::lend;
+use pneudrive_session::test_run::{TestRun, set_loop};
 use pneudrive_sim::Rig;
-use pneudrive_sim::component::controller::Loop;
 use pneudrive_sim::keys;
 
 use crate::cli::RigChoice;
@@ -39,13 +39,11 @@ pub(super) fn execute(choice: &RigChoice, port: &str, folder: &Path) -> Result<R
     if let Some(note) = of_hanging_load(&closed) {
         tell!("{note}");
     }
-    let borrowed = Borrowed::of(&mut client, &[id::OPEN_LOOP])?;
-    let recorded = plan::run(&mut AtPort { client: &mut client, folder }, &closed, &open, count);
-    // Even if a test failed, the drive is disarmed and its loop is as before; if this program is killed, the next plan sees to it.
-    let left = client.disarm().and_then(|()| borrowed.give_back(&mut client));
-    let recorded = recorded.map_err(of_trip)?;
-    left.context("the tests are done, but the rig could not be disarmed and its controller.loop restored")?;
-    Ok(recorded)
+    // If this program is killed, the next plan gives its loop back.
+    lend(&mut client, &[id::OPEN_LOOP], |client| {
+        plan::run(&mut AtPort { client, folder }, &closed, &open, count)
+    })
+    .map_err(of_trip)
 }
 
 /// What becomes of a load that hangs while a plan runs; None of an axis that is level as far as a file can say.
@@ -76,10 +74,8 @@ struct AtPort<'a> {
 
 impl Bench for AtPort<'_> {
     fn run(&mut self, test: &Rig) -> Result<()> {
-        let open_loop = i32::from(test.get(&keys::controller::LOOP) == Loop::Open);
-        self.client.disarm()?;
-        self.client.set_parameters(id::OPEN_LOOP, &[open_loop])?;
-        run_test(self.client, test, test.last_sample(), false, None)?;
+        set_loop(self.client, test)?;
+        run_test(self.client, TestRun::of(test), None)?;
         // Armed, a drive that creeps at its null would trip while its record is fetched.
         self.client.disarm()
     }

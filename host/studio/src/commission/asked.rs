@@ -3,9 +3,9 @@
 use std::time::Duration;
 
 use axum::http::StatusCode;
-use pneudrive_link::bring_up::{MAX_PERCENT, Options, PUSH_WAIT_S};
 use pneudrive_page::asked::Asked;
 use pneudrive_page::refusal::Refusal;
+use pneudrive_session::bring_up::{MAX_PERCENT, Options, PUSH_WAIT_S};
 use pneudrive_sim::Rig;
 use serde::Deserialize;
 

@@ -1,9 +1,9 @@
 //! The checks of `device bring-up`, with the page as the operator.
 
 use anyhow::Result;
-use pneudrive_link::bring_up::{self, Check, Operator, Options, Report};
 use pneudrive_link::client::Client;
 use pneudrive_protocol::{Mode, Status};
+use pneudrive_session::bring_up::{self, Check, Operator, Options, Report};
 use serde_json::{Value, json};
 
 use super::ended::Ended;
@@ -102,14 +102,7 @@ impl Operator for Hand<'_, '_> {
 
     fn done(&mut self, check: &Check) {
         self.told.now.clear();
-        self.told.checks.push(json!({
-            "name": check.name,
-            "did": check.did,
-            "saw": check.saw,
-            "must": check.must,
-            "verdict": check.verdict.word().to_lowercase(),
-            "advice": check.advice,
-        }));
+        self.told.checks.push(check.to_json());
         self.show();
     }
 

@@ -4,8 +4,8 @@ use std::collections::VecDeque;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, TryRecvError};
 use std::time::{Duration, Instant};
 
-use pneudrive_link::bring_up::Options;
 use pneudrive_page::refusal::Refusal;
+use pneudrive_session::bring_up::Options;
 use pneudrive_sim::Rig;
 use serde_json::Value;
 use tokio::sync::oneshot;

@@ -16,12 +16,12 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Error, Result};
 use axum::http::StatusCode;
-use pneudrive_link::bring_up::Options;
 use pneudrive_link::client::Client;
 use pneudrive_link::failure::Failure;
 use pneudrive_page::refusal::Refusal;
 use pneudrive_protocol::{Mode, Status};
 use pneudrive_records::units::Units;
+use pneudrive_session::bring_up::Options;
 use pneudrive_sim::Rig;
 use serde_json::Value;
 

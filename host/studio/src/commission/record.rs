@@ -1,8 +1,8 @@
 //! The record of the last test, as a TARGET file for the page.
 
 use anyhow::{Error, Result};
-use pneudrive_link::client::{Client, Pieces};
-use pneudrive_records::target::TargetFile;
+use pneudrive_link::client::Client;
+use pneudrive_session::record::to_memory;
 use serde_json::{Value, json};
 
 use super::order::Orders;
@@ -16,20 +16,13 @@ const BUSY: &str = "not now: the record is being read";
 /// # Errors
 /// When there is none, the rig does not answer, or the page ends it ([`Ended`](super::ended::Ended)).
 pub fn record(client: &mut Client, orders: &mut Orders<'_>, teller: &Teller<'_>) -> Result<Value> {
-    let info = client.info()?;
-    let parameters = client.parameters()?;
-    let mut hear = || {
+    let (crc32, file) = to_memory(client, &mut |_, _| {
         let heard = orders.goes_on();
         if orders.has_refused() {
             teller.tell(BUSY);
         }
         heard.map_err(Error::from)
-    };
-    let head = client.record_head_while(&mut hear)?;
-    let test = client.test()?;
-    let none = Pieces::none(head.samples);
-    let record = client.download(&head, none, |_, _| hear())?;
-    let file = TargetFile::new(&record, &info, &parameters)?.with_test(test.as_ref());
-    let name = format!("TARGET-{:08x}.DAT", head.crc32);
+    })?;
+    let name = format!("TARGET-{crc32:08x}.DAT");
     Ok(json!({ "name": name, "text": file.to_text(), "samples": file.samples.len() }))
 }

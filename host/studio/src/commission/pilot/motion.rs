@@ -1,27 +1,24 @@
 //! How the drive is moved for a page: tests, moves to a place, jogs.
 
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use anyhow::{Result, anyhow, bail};
 use pneudrive_controller::parameters::id;
 use pneudrive_link::failure::Failure;
-use pneudrive_link::test_run::refuse_what_it_would;
 use pneudrive_protocol::{Mode, Status};
 use pneudrive_records::rig_info::RigParameters;
+use pneudrive_session::test_run::{refuse_what_it_would, wait_for_null};
 use pneudrive_sim::Rig;
 use pneudrive_sim::component::controller::{Loop, keys as controller};
 
-use super::{LOOK, Pilot, REST_OF_STREAM};
+use super::{Pilot, REST_OF_STREAM};
 use crate::commission::live::Live;
-use crate::commission::order::{Direction, JOG_SILENCE};
+use crate::commission::order::{Direction, JOG_SILENCE, Orders};
 use crate::commission::ramp::{GO_MM_PER_S, JOG_MM_PER_S, reachable, slow_move};
 use crate::commission::way::Way;
 
 /// How far one test of jogging goes, mm; a button that is held longer has another one follow.
 const JOG_REACH_MM: f64 = 30.0;
-
-/// How long a stepper's spool may take to its null after arming.
-const WALK_TO_NULL: Duration = Duration::from_secs(2);
 
 /// What a test is run for.
 #[derive(Clone, Copy, Debug)]
@@ -107,7 +104,7 @@ impl Pilot<'_> {
             self.stream(false);
         }
         self.client.prepare(rig, rig.last_sample(), None)?;
-        self.still_wanted(purpose)?;
+        still_wanted(&mut self.orders, purpose)?;
         self.arm()?;
         match self.start(rig, purpose, &parameters) {
             Ok(()) => {
@@ -123,27 +120,11 @@ impl Pilot<'_> {
 
     /// Starts the test once a stepper's spool is at its null, unless the page wants it no more.
     fn start(&mut self, rig: &Rig, purpose: Purpose, parameters: &RigParameters) -> Result<()> {
-        let is_stepper = rig.parameters().get(id::STEPPER) == Some(1);
-        let begun = Instant::now();
-        while is_stepper && begun.elapsed() <= WALK_TO_NULL && self.client.status()?.spool != 0 {
-            self.still_wanted(purpose)?;
-            std::thread::sleep(LOOK / 5);
-        }
+        wait_for_null(&mut self.client, rig, &mut || still_wanted(&mut self.orders, purpose))?;
         // Firmware without streams is looked at instead.
         self.live = Live::begin(&mut self.client, parameters).ok();
-        self.still_wanted(purpose)?;
+        still_wanted(&mut self.orders, purpose)?;
         self.client.start()
-    }
-
-    /// Refuses to start what the page has ended meanwhile, and to jog without a button that is held.
-    fn still_wanted(&mut self, purpose: Purpose) -> Result<()> {
-        self.orders.still_wants(matches!(purpose, Purpose::Jog(..)))?;
-        if let Purpose::Jog(direction, at) = purpose
-            && self.orders.confirmed(direction).unwrap_or(at).elapsed() > JOG_SILENCE
-        {
-            bail!("not started: the jog button was not confirmed");
-        }
-        Ok(())
     }
 
     /// The test has begun now, behind all samples so far.
@@ -213,4 +194,15 @@ impl Pilot<'_> {
         self.jog = Some((direction, self.orders.confirmed(direction).unwrap_or(at)));
         Ok(())
     }
+}
+
+/// Refuses to start what the page has ended meanwhile, and to jog without a button that is held.
+fn still_wanted(orders: &mut Orders<'_>, purpose: Purpose) -> Result<()> {
+    orders.still_wants(matches!(purpose, Purpose::Jog(..)))?;
+    if let Purpose::Jog(direction, at) = purpose
+        && orders.confirmed(direction).unwrap_or(at).elapsed() > JOG_SILENCE
+    {
+        bail!("not started: the jog button was not confirmed");
+    }
+    Ok(())
 }

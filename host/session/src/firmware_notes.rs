@@ -2,12 +2,11 @@
 
 use anyhow::Result;
 use pneudrive_controller::Fault;
+use pneudrive_link::client::Client;
 use pneudrive_protocol::io::input;
 use pneudrive_records::parameter_names::names_of;
 use pneudrive_records::rig_info::RigParameters;
 use pneudrive_records::words;
-
-use crate::client::Client;
 
 /// Warns, before a rig is armed or moved, that it does not distinguish its boots.
 pub fn report_boots(client: &Client) {

@@ -1,6 +1,7 @@
 //! What a bring-up has found, as text for a file.
 
 use pneudrive_records::rig_info::Info;
+use serde_json::{Value, json};
 
 /// What became of a check.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -59,6 +60,19 @@ impl Check {
             verdict: Verdict::NotChecked,
             advice: Vec::new(),
         }
+    }
+
+    /// Its figures.
+    #[must_use]
+    pub fn to_json(&self) -> Value {
+        json!({
+            "name": self.name,
+            "did": self.did,
+            "saw": self.saw,
+            "must": self.must,
+            "verdict": self.verdict.word().to_lowercase(),
+            "advice": self.advice,
+        })
     }
 }
 

@@ -11,7 +11,7 @@ use pneudrive_records::words;
 
 use super::pulses::surprised;
 use super::{BringUp, Check};
-use crate::failure::Failure;
+use pneudrive_link::failure::Failure;
 
 /// The names of the checks.
 pub(super) const LINE: &str = "enable line";

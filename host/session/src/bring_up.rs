@@ -35,8 +35,8 @@ use pneudrive_records::rig_info::RigParameters;
 use pneudrive_records::units::Units;
 
 use crate::borrowed::Borrowed;
-use crate::client::Client;
-use crate::failure::Failure;
+use pneudrive_link::client::Client;
+use pneudrive_link::failure::Failure;
 pub use report::{Check, Report, Verdict};
 
 /// How long the slide may be waited for, s: the least and the most.
@@ -187,9 +187,7 @@ impl BringUp<'_> {
         }
         let borrowed = Borrowed::of(self.client, &[id::OPEN_LOOP, id::ON_ARRIVAL])?;
         let moved = self.set_for_pulses().and_then(|()| self.check_enabled(pushed));
-        let disarmed = self.client.disarm();
-        let put_back = borrowed.give_back(self.client);
-        moved.and(disarmed).and(put_back)
+        borrowed.end(self.client, moved)
     }
 
     /// Pulses are commands, and none is exited early.

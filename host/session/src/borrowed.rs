@@ -17,18 +17,22 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, anyhow, bail};
 use pneudrive_controller::parameters::id;
+use pneudrive_link::client::Client;
+use pneudrive_link::failure::Failure;
 use pneudrive_records::parameter_names::Written;
 use pneudrive_records::rig_info::RigParameters;
 use pneudrive_records::whole_file::{may_run, own_number, put};
 
-use crate::client::Client;
-use crate::failure::Failure;
+use crate::state;
 
 /// What a file of this kind begins with.
 const HEAD: &str = "pneudrive-borrowed 1";
 
 /// And what it ends with.
 const LAST: &str = "end";
+
+/// The ending of its name.
+const KIND: &str = "borrowed";
 
 /// The longest file that is read, bytes: all parameters have some kilobytes.
 const LONGEST: u64 = 1 << 16;
@@ -47,20 +51,13 @@ impl Borrowed {
     /// # Errors
     /// When the drive does not answer or refuses, or the file cannot be written.
     pub fn of(client: &mut Client, ids: &[u16]) -> Result<Borrowed> {
-        Borrowed::in_folder(client, ids, &folder()?)
-    }
-
-    /// The same in another folder.
-    ///
-    /// # Errors
-    /// As for [`Borrowed::of`].
-    pub fn in_folder(client: &mut Client, ids: &[u16], folder: &Path) -> Result<Borrowed> {
-        let path = folder.join(file_name(client.port_name()));
+        let path = state::file(client.port_name(), KIND)?;
         give_back_of_killed(client, &path)?;
         let parameters = client.parameters()?;
         let has = |id: &u16| !parameters.lacking.contains(id);
         let value = |id: u16| parameters.values.get(id).map(|value| (id, value));
         let values = ids.iter().filter(|id| has(id)).filter_map(|&id| value(id)).collect();
+        let folder = path.parent().unwrap_or(&path);
         fs::create_dir_all(folder).with_context(|| format!("cannot make {}", folder.display()))?;
         let borrowed = Borrowed { path, values };
         put(&borrowed.path, &borrowed.text(client.boot(), &parameters)).context(
@@ -69,11 +66,20 @@ impl Borrowed {
         Ok(borrowed)
     }
 
-    /// Sets the parameters as they were. The drive must be disarmed.
+    /// Disarms the drive and gives back what was borrowed, whatever has become of the work that it was borrowed for.
     ///
     /// # Errors
-    /// When the drive does not answer or refuses; the file stays then, and the next program that borrows gives them back.
-    pub fn give_back(self, client: &mut Client) -> Result<()> {
+    /// That of the work; or when the drive does not answer or refuses. The file stays then, and the next program that borrows
+    /// gives it back.
+    pub fn end<T>(self, client: &mut Client, done: Result<T>) -> Result<T> {
+        let left = client.disarm().and_then(|()| self.give_back(client));
+        let done = done?;
+        left.context("the work is done, but the drive could not be disarmed and get back what was borrowed")?;
+        Ok(done)
+    }
+
+    /// Sets the parameters as they were, on a drive that is disarmed.
+    fn give_back(self, client: &mut Client) -> Result<()> {
         for (id, value) in &self.values {
             client.set_parameters(*id, &[*value])?;
         }
@@ -91,6 +97,16 @@ impl Borrowed {
         }
         text + LAST + "\n"
     }
+}
+
+/// Borrows parameters of a disarmed drive for some work; afterwards it is disarmed and has them back.
+///
+/// # Errors
+/// As for [`Borrowed::of`] and [`Borrowed::end`].
+pub fn lend<T>(client: &mut Client, ids: &[u16], work: impl FnOnce(&mut Client) -> Result<T>) -> Result<T> {
+    let borrowed = Borrowed::of(client, ids)?;
+    let done = work(client);
+    borrowed.end(client, done)
 }
 
 /// What a killed program has left.
@@ -207,23 +223,6 @@ fn remove(path: &Path) -> Result<()> {
     }
 }
 
-/// A name of its own for each port.
-fn file_name(port: &str) -> String {
-    let plain =
-        |letter: char| if letter.is_ascii_alphanumeric() || "-.".contains(letter) { letter } else { '_' };
-    format!("{}.borrowed", port.chars().map(plain).collect::<String>())
-}
-
-/// The folder where programs of this user keep what must outlast them: `PNEUDRIVE_STATE`, or that of the system.
-fn folder() -> Result<PathBuf> {
-    let of = |name: &str| std::env::var_os(name).filter(|path| !path.is_empty()).map(PathBuf::from);
-    let system = if cfg!(windows) { of("LOCALAPPDATA") } else { of("XDG_STATE_HOME") };
-    let home = || std::env::home_dir().map(|home| home.join(".local").join("state"));
-    of("PNEUDRIVE_STATE").or_else(|| system.or_else(home).map(|folder| folder.join("pneudrive"))).ok_or_else(|| {
-        anyhow!("there is no home folder to keep the parameters of the drive in while tests change them; set PNEUDRIVE_STATE to a folder")
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -272,7 +271,8 @@ mod tests {
 
     #[test]
     fn each_port_has_a_file_of_its_own_and_leads_nowhere_else() {
-        assert_eq!(file_name("tcp://127.0.0.1:4000"), "tcp___127.0.0.1_4000.borrowed");
-        assert!(!file_name("pty:/dev/../x").contains('/'));
+        let name = |port| state::file_name(port, KIND);
+        assert_eq!(name("tcp://127.0.0.1:4000"), "tcp___127.0.0.1_4000.borrowed");
+        assert!(!name("pty:/dev/../x").contains('/'));
     }
 }

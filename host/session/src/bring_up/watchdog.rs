@@ -15,7 +15,7 @@ use pneudrive_records::rig_info::RigParameters;
 use pneudrive_records::words;
 
 use super::{BringUp, Check, Verdict, enable, pulses};
-use crate::client::Trial;
+use pneudrive_link::client::Trial;
 
 const NAME: &str = "watchdog";
 

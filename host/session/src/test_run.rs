@@ -1,29 +1,109 @@
-//! A test on a rig: checked against the rig, downloaded, armed and started. Following it is the client's.
+//! A test on a rig: checked against the rig, downloaded, armed, started and followed to its end.
 
+use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
+use crate::firmware_notes::{report_armed, report_boots, report_missing};
+use crate::streaming::{Streamed, Streaming, ToFile};
 use anyhow::{Result, bail};
 use pneudrive_controller::law::Loop;
 use pneudrive_controller::parameters::id;
 use pneudrive_controller::{Config, Parameters};
+use pneudrive_link::client::Client;
+use pneudrive_link::failure::Failure;
 use pneudrive_protocol::{Mode, Status, UNTIL_STOPPED};
 use pneudrive_records::parameter_names::Written;
 use pneudrive_records::rig_info::RigParameters;
 use pneudrive_records::units::Units;
 use pneudrive_records::words;
 use pneudrive_sim::Rig;
-use pneudrive_sim::component::operator;
+use pneudrive_sim::component::{controller as control, operator};
 use pneudrive_sim::keys;
-
-use crate::client::Client;
-use crate::failure::Failure;
-use crate::firmware_notes::{report_armed, report_boots, report_missing};
 
 /// How long a stepper's spool may take to mid-travel; after that, the rig refuses the start and says why.
 const WALK_TO_NULL: Duration = Duration::from_secs(2);
 
 /// Asked again and again while the rig is waited for: an error ends the wait.
 pub type Interrupted<'a> = dyn FnMut() -> Result<()> + 'a;
+
+/// The test of a rig, as it is to be run on one.
+#[derive(Clone, Copy, Debug)]
+pub struct TestRun<'a> {
+    /// The rig file.
+    pub rig: &'a Rig,
+    /// The last sample of the test; [`UNTIL_STOPPED`]: it has none.
+    pub last_sample: u32,
+    /// Whether the parameters of the rig file are downloaded, too.
+    pub with_parameters: bool,
+}
+
+impl<'a> TestRun<'a> {
+    /// As it stands in the rig file, with the parameters of the drive.
+    #[must_use]
+    pub fn of(rig: &'a Rig) -> TestRun<'a> {
+        TestRun { rig, last_sample: rig.last_sample(), with_parameters: false }
+    }
+
+    /// Makes it ready; a stream to a file begins.
+    ///
+    /// # Errors
+    /// As for [`prepare`]; when the file is there already, or the rig has no streams.
+    pub fn prepare(&self, client: &mut Client, to: Option<&ToFile>) -> Result<Prepared<'a>> {
+        if let Some(to) = to {
+            Streaming::check(client, &to.path)?;
+        }
+        let parameters = prepare(client, self.rig, self.last_sample, self.with_parameters, to.is_some())?;
+        let begin = |to| Streaming::begin(client, self.rig.name(), &parameters, to);
+        Ok(Prepared { rig: self.rig, stream: to.map(begin).transpose()? })
+    }
+}
+
+/// A test that can be started.
+pub struct Prepared<'a> {
+    rig: &'a Rig,
+    stream: Option<Streaming>,
+}
+
+/// What has become of a run.
+pub struct Ran {
+    /// How it ended; an error if it did not begin, or not end as it was to.
+    pub ended: Result<Mode>,
+    /// The file that it was streamed to.
+    pub streamed: Result<Option<Streamed>>,
+}
+
+impl Prepared<'_> {
+    /// Arms, starts and follows it; the file of the stream is complete then, whatever has become of the run. `interrupted` is
+    /// asked until it starts; then `ends` ends it.
+    pub fn run(
+        self,
+        client: &mut Client,
+        ends: &AtomicBool,
+        interrupted: &mut Interrupted<'_>,
+        progressed: impl FnMut(&Status),
+    ) -> Ran {
+        let mut stream = self.stream;
+        let started = start(client, self.rig, interrupted);
+        let ended = started.and_then(|()| match &mut stream {
+            None => client.follow(ends, progressed),
+            Some(stream) => {
+                client.follow_streamed(ends, progressed, |row| stream.take(row)).map(|(status, _)| status)
+            }
+        });
+        let streamed = stream.map(|stream| stream.end(client)).transpose();
+        Ran { ended: ended.map(|status| status.mode), streamed }
+    }
+}
+
+/// Sets the loop of a drive to that of a rig file, which a drive does disarmed alone.
+///
+/// # Errors
+/// When it does not answer or refuses.
+pub fn set_loop(client: &mut Client, rig: &Rig) -> Result<()> {
+    client.disarm()?;
+    client
+        .set_parameters(id::OPEN_LOOP, &[i32::from(rig.get(&keys::controller::LOOP) == control::Loop::Open)])
+}
 
 /// Downloads the test of a rig, which ends with this sample, and its parameters if asked for. The drive is disarmed
 /// then. Returns the parameters in force. Differences between rig and file go to the log.
@@ -146,8 +226,11 @@ fn wait_for_samples_before(client: &mut Client, rig: &Rig, interrupted: &mut Int
     Ok(())
 }
 
-/// The spool of a stepper valve walks to mid-travel one step a sample; a start before that is refused.
-fn wait_for_null(client: &mut Client, rig: &Rig, interrupted: &mut Interrupted<'_>) -> Result<()> {
+/// Waits for the spool of a stepper valve, which walks to mid-travel one step a sample; a start before that is refused.
+///
+/// # Errors
+/// When the rig does not answer, or `interrupted` says so.
+pub fn wait_for_null(client: &mut Client, rig: &Rig, interrupted: &mut Interrupted<'_>) -> Result<()> {
     let begun = Instant::now();
     while begun.elapsed() < WALK_TO_NULL {
         interrupted()?;

@@ -1,22 +1,21 @@
-//! The part file of an interrupted download: it lies beside the TARGET files until the record is complete.
+//! The part file of an interrupted download: it lies beside the TARGET files, or in the folder of states, until the record is complete.
 //!
 //! It holds frames of replies as they came over the link ([`pneudrive_protocol::frame`]): first the rig's identity and
 //! the head of its record, then the chunks. It is read like a link: a frame that was cut when the program was killed, or
-//! damaged since, is skipped and downloaded again. Its name is the CRC of the record; a download resumes only if
-//! everything known of rig and record is the same.
+//! damaged since, is skipped and downloaded again. Beside TARGET files its name has the CRC of the record; a download resumes
+//! only if everything known of rig and record is the same.
 
 use std::fs::{self, File};
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, anyhow};
+use pneudrive_link::client::Pieces;
 use pneudrive_protocol::frame::DELIMITER;
 use pneudrive_protocol::{Accumulator, MAX_FRAME, Reply, ReplyBody, decode_reply, encode};
 use pneudrive_records::record::RecordHead;
 use pneudrive_records::rig_info::Info;
 use pneudrive_records::whole_file::{open_to_add, sync_folder};
-
-use crate::client::Pieces;
 
 /// A part file, to which chunks are added.
 #[derive(Debug)]
@@ -31,15 +30,23 @@ impl PartFile {
     /// # Errors
     /// When the folder cannot be written to.
     pub fn open(folder: &Path, info: &Info, head: &RecordHead) -> Result<(PartFile, Pieces)> {
+        PartFile::at(&folder.join(format!("TARGET-{:08x}.part", head.crc32)), info, head)
+    }
+
+    /// The same at a path, where the part of another record is replaced.
+    ///
+    /// # Errors
+    /// As for [`PartFile::open`].
+    pub fn at(path: &Path, info: &Info, head: &RecordHead) -> Result<(PartFile, Pieces)> {
+        let (path, folder) = (path.to_owned(), path.parent().unwrap_or(path));
         fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
-        let path = folder.join(format!("TARGET-{:08x}.part", head.crc32));
         let cannot = |error| anyhow::Error::new(error).context(format!("cannot write {}", path.display()));
         let mut file = open_to_add(&path).map_err(cannot)?;
         let mut old = Vec::new();
         file.read_to_end(&mut old).map_err(cannot)?;
         let pieces = read(&old, info, head);
         if pieces.is_none() {
-            // It belongs to another record with the same CRC by chance, or is not a part file.
+            // It belongs to another record, or is not a part file.
             file.set_len(0).map_err(cannot)?;
         }
         let mut part = PartFile { path, file };

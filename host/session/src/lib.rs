@@ -1,0 +1,25 @@
+//! What is done with a rig at a port: the command, the studio and the Python package do it in the same way.
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`test_run`], [`streaming`] | a test checked, made ready, started and followed, and the file that it is streamed to |
+//! | [`record`], [`part_file`] | the record of the last run as a TARGET file, and what an interrupted download has left |
+//! | [`drive`] | a drive armed, and told where its axis stands |
+//! | [`bring_up`] | the checks of a new board, one after the other |
+//! | [`borrowed`] | parameters that are changed for a while, and given back even if the program is killed |
+//! | [`state`] | where programs of this user keep what must outlast them |
+//! | [`firmware_notes`] | notes on firmware that lacks something |
+//!
+//! Requests, downloads and streams are `pneudrive_link`'s. Nothing is printed: notes go to the log.
+
+#![deny(clippy::print_stdout, clippy::print_stderr)]
+
+pub mod borrowed;
+pub mod bring_up;
+pub mod drive;
+pub mod firmware_notes;
+pub mod part_file;
+pub mod record;
+pub mod state;
+pub mod streaming;
+pub mod test_run;
