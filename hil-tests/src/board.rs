@@ -12,9 +12,9 @@
 use std::sync::OnceLock;
 
 use anyhow::{Context, Result, bail};
-use pneudrive_rigs::board_plant::BoardPlant;
 use pneudrive_sim::Rig;
 
+use crate::board_plant::BoardPlant;
 use crate::service::commission;
 use crate::{Target, body};
 

@@ -3,9 +3,9 @@
 use std::fmt::Write;
 
 use anyhow::Result;
-use pneudrive_rigs::emulated_board::{Figures, Spread};
 use pneudrive_sim::Rig;
 
+use crate::emulated_board::{Figures, Spread};
 use crate::{QemuTarget, body};
 
 /// What `on_sample` and `on_output` of one sample are to take together in the mean of a run, instructions,

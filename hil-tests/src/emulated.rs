@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 use anyhow::{Context, Result, anyhow};
-use pneudrive_rigs::emulated_board::EmulatedBoard;
 use pneudrive_sim::Rig;
 
+use crate::emulated_board::EmulatedBoard;
 use crate::service::commission;
 use crate::{Delayed, Supplied, Target};
 

@@ -8,21 +8,31 @@
 //! | [`linked::LinkedTarget`] | the application natively, its plant at a second port, over TCP |
 //! | [`wired::WiredTarget`] | the application natively, on models of the chips of `pneudrive_interfaces::spi_board`, over TCP |
 //! | [`board`] | the image on a board, where one is named: `cargo xtask hil` |
+//!
+//! [`emulated_board`] is that emulator with its plant, [`board_plant`] the plant of a board, over its second serial port.
 
 #[cfg(unix)]
 pub mod board;
+#[cfg(unix)]
+pub mod board_plant;
 pub mod body;
 #[cfg(unix)]
 pub mod cost;
 #[cfg(unix)]
 mod emulated;
+#[cfg(unix)]
+pub mod emulated_board;
 pub mod golden;
 pub mod linked;
 mod native;
 #[cfg(unix)]
+mod plant_server;
+#[cfg(unix)]
 pub mod requests;
 #[cfg(unix)]
 pub mod rounding;
+#[cfg(unix)]
+mod sample_cost;
 mod service;
 #[cfg(unix)]
 pub mod shell;

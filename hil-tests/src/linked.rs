@@ -14,10 +14,10 @@ use pneudrive_app::plant_link::{Line, PlantLink};
 use pneudrive_app::ram_flash::RamFlash;
 use pneudrive_app::store::FlashStore;
 use pneudrive_app::{Control, LockStep, inputs};
-use pneudrive_rigs::board_plant::BoardPlant;
 use pneudrive_sim::Rig;
 
 use crate::Target;
+use crate::board_plant::BoardPlant;
 use crate::native::{Callers, accepted, listener, port_name, read};
 use crate::service::commission;
 

@@ -3,8 +3,8 @@
 
 use std::process::{Command, Output};
 
+use pneudrive_hil_tests::emulated_board::EmulatedBoard;
 use pneudrive_hil_tests::{Target, VirtualTarget, board_runner, body, image};
-use pneudrive_rigs::emulated_board::EmulatedBoard;
 
 /// The runner's exit code and all that it says.
 fn run(variables: &[(&str, &str)], bodies: &[&str]) -> (Option<i32>, String) {

@@ -5,9 +5,9 @@
 use std::path::Path;
 
 use pneudrive_controller::Fault;
+use pneudrive_hil_tests::emulated_board::EmulatedBoard;
 use pneudrive_hil_tests::{QemuTarget, Supplied, Target, body};
 use pneudrive_protocol::Mode;
-use pneudrive_rigs::emulated_board::EmulatedBoard;
 use pneudrive_sim::Rig;
 
 fn started(rig: &Rig) -> QemuTarget {

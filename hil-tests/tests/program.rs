@@ -1,9 +1,9 @@
 //! The `pneudrive` program on the emulated board's UART, as a user types it.
 #![cfg(unix)]
 
+use pneudrive_hil_tests::emulated_board::EmulatedBoard;
 use pneudrive_hil_tests::image;
 use pneudrive_hil_tests::shell::Shell;
-use pneudrive_rigs::emulated_board::EmulatedBoard;
 use pneudrive_sim::Rig;
 
 #[test]

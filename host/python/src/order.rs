@@ -5,7 +5,7 @@ use pneudrive_link::client::Client;
 use pneudrive_protocol::{Status, UNTIL_STOPPED};
 use pneudrive_records::units::Units;
 use pneudrive_session::streaming::{self, ToFile};
-use pneudrive_session::test_run::{self, Ran, TestRun};
+use pneudrive_session::test_run::{self, TestRun};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
@@ -49,8 +49,8 @@ impl Order {
     pub fn carry_out(&self, client: &mut Client, to: Option<&ToFile>, meter: &work::Meter) -> Result<()> {
         let progressed = |status: &Status| meter.note(status.index.into(), status.duration_samples.into());
         let prepared = self.test().prepare(client, to)?;
-        let Ran { ended, streamed } = prepared.run(client, meter.ends(), &mut || meter.check(), progressed);
-        ended.and(streamed.map(drop))
+        let ran = prepared.run(client, meter.ends(), &mut || meter.check(), progressed);
+        ran.ended.and(ran.stream_ended)
     }
 
     /// Starts it with a stream of every Nth sample, which [`Client::follow_streamed`] then gives; returns the scales of

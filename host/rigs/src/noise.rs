@@ -14,23 +14,26 @@ const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
 
 /// The seeds of a rig's runs, in their order.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct RunSeeds {
+pub struct RunSeeds {
     seed: u64,
     runs: u64,
 }
 
 impl RunSeeds {
-    pub(crate) fn new(seed: u64) -> RunSeeds {
+    /// Those of a rig whose first run has this seed.
+    #[must_use]
+    pub fn new(seed: u64) -> RunSeeds {
         RunSeeds { seed, runs: 0 }
     }
 
     /// Runs that have begun.
-    pub(crate) fn runs(&self) -> u64 {
+    #[must_use]
+    pub fn runs(&self) -> u64 {
         self.runs
     }
 
     /// Begins a run and returns its seed.
-    pub(crate) fn begin(&mut self) -> u64 {
+    pub fn begin(&mut self) -> u64 {
         self.runs += 1;
         if self.runs == 1 {
             self.seed

@@ -66,13 +66,15 @@ impl Streaming {
         self.file.add(row)
     }
 
-    /// Ends the stream and the file.
-    pub(crate) fn end(mut self, client: &mut Client) -> Result<Streamed> {
+    /// Ends the file, whatever the rig says, and the stream.
+    pub(crate) fn end(mut self, client: &mut Client) -> (Option<Streamed>, Result<()>) {
         let samples_of_run = client.status().ok().map(|status| status.index.saturating_add(1));
         let ended = client.stream_end();
-        self.file.end(samples_of_run)?;
+        if let Err(error) = self.file.end(samples_of_run) {
+            return (None, Err(error));
+        }
         let (samples, missing) = self.file.counts();
-        ended.map(|()| Streamed { path: self.path, samples, missing })
+        (Some(Streamed { path: self.path, samples, missing }), ended)
     }
 }
 

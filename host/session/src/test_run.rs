@@ -68,8 +68,10 @@ pub struct Prepared<'a> {
 pub struct Ran {
     /// How it ended; an error if it did not begin, or not end as it was to.
     pub ended: Result<Mode>,
-    /// The file that it was streamed to.
-    pub streamed: Result<Option<Streamed>>,
+    /// The file that it was streamed to, if that is complete.
+    pub streamed: Option<Streamed>,
+    /// Whether file and stream could be ended.
+    pub stream_ended: Result<()>,
 }
 
 impl Prepared<'_> {
@@ -90,8 +92,8 @@ impl Prepared<'_> {
                 client.follow_streamed(ends, progressed, |row| stream.take(row)).map(|(status, _)| status)
             }
         });
-        let streamed = stream.map(|stream| stream.end(client)).transpose();
-        Ran { ended: ended.map(|status| status.mode), streamed }
+        let (streamed, stream_ended) = stream.map_or((None, Ok(())), |stream| stream.end(client));
+        Ran { ended: ended.map(|status| status.mode), streamed, stream_ended }
     }
 }
 
@@ -101,8 +103,8 @@ impl Prepared<'_> {
 /// When it does not answer or refuses.
 pub fn set_loop(client: &mut Client, rig: &Rig) -> Result<()> {
     client.disarm()?;
-    client
-        .set_parameters(id::OPEN_LOOP, &[i32::from(rig.get(&keys::controller::LOOP) == control::Loop::Open)])
+    let is_open = rig.get(&keys::controller::LOOP) == control::Loop::Open;
+    client.set_parameters(id::OPEN_LOOP, &[is_open.into()])
 }
 
 /// Downloads the test of a rig, which ends with this sample, and its parameters if asked for. The drive is disarmed

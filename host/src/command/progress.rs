@@ -48,13 +48,12 @@ impl Progress {
         Progress { printed: u64::MAX, ..progress }
     }
 
-    /// Goes on from earlier work, which does not count for the rate.
-    pub fn resumed(what: &str, done: u64, all: u64) -> Progress {
-        let progress = Progress::new(what);
-        progress.bar.set_length(all);
-        progress.bar.set_position(done);
-        progress.bar.reset_eta();
-        Progress { printed: (4 * done).checked_div(all).unwrap_or(0), ..progress }
+    /// Starts from earlier work, which does not count for the rate.
+    pub fn begin_at(&mut self, done: u64, all: u64) {
+        self.bar.set_length(all);
+        self.bar.set_position(done);
+        self.bar.reset_eta();
+        self.printed = (4 * done).checked_div(all).unwrap_or(0);
     }
 
     pub fn at(&mut self, done: u64, all: u64) {

@@ -24,11 +24,16 @@ pub(super) fn execute(arguments: &Record) -> Result<()> {
 
 /// Downloads the record to the next free TARGET file of a folder, with a bar.
 pub(super) fn record(client: &mut Client, folder: &Path) -> Result<(PathBuf, TargetFile)> {
-    let mut progress = None;
+    let mut progress: Option<Progress> = None;
     let recorded = to_folder(client, folder, &mut |done, all| {
         if all > 0 {
-            let begin = || Progress::resumed("recording", done as u64, all as u64);
-            progress.get_or_insert_with(begin).at(done as u64, all as u64);
+            let (done, all) = (done as u64, all as u64);
+            let begin = || {
+                let mut progress = Progress::new("recording");
+                progress.begin_at(done, all);
+                progress
+            };
+            progress.get_or_insert_with(begin).at(done, all);
         }
         Ok(())
     });

@@ -152,9 +152,11 @@ pub(super) fn run_test(client: &mut Client, test: TestRun<'_>, to: Option<&ToFil
         interrupts.look();
     };
     let mut goes_on = || if interrupts.look() { Err(interrupts.not_begun()) } else { Ok(()) };
-    let Ran { ended, streamed } = prepared.run(client, interrupts.seen(), &mut goes_on, progressed);
+    let Ran { ended, streamed, stream_ended } =
+        prepared.run(client, interrupts.seen(), &mut goes_on, progressed);
     progress.into_iter().for_each(Progress::done);
-    interrupts.explain(ended).and(streamed.map(|file| file.iter().for_each(report_stream)))
+    streamed.iter().for_each(report_stream);
+    interrupts.explain(ended).and(stream_ended)
 }
 
 /// Reports the samples and gaps of a stream.

@@ -6,11 +6,11 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
 use pneudrive_app::plant_bus::{HELLO, Inputs, Next, Outputs, Tempo, VERSION, request_ticks};
+use pneudrive_rigs::noise::RunSeeds;
+use pneudrive_rigs::timing::LateSample;
 use pneudrive_sim::{Accuracy, IntegrationError, Plant, Rig};
 
-use crate::noise::RunSeeds;
 use crate::sample_cost::Figures;
-use crate::timing::LateSample;
 
 /// The first bytes from a board.
 pub(crate) type Hello = [u8; HELLO.len()];

@@ -9,10 +9,10 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, Result, anyhow, bail};
 use pneudrive_app::plant_bus::HELLO;
 use pneudrive_link::port::{self, Link};
+use pneudrive_rigs::timing::LateSample;
 use pneudrive_sim::Rig;
 
 use crate::plant_server::{Bus, Hello, PlantServer, SharedRig, Time};
-use crate::timing::LateSample;
 
 /// How long a board may take to send its hello, which it repeats five times a second.
 const HELLO_WAIT: Duration = Duration::from_secs(5);

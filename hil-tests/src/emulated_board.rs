@@ -22,14 +22,14 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, anyhow, bail};
+use pneudrive_rigs::persistent_flash::PersistentFlash;
+use pneudrive_rigs::timing::LateSample;
 use pneudrive_sim::Rig;
 use tempfile::TempDir;
 
-use crate::persistent_flash::PersistentFlash;
 use crate::plant_server::{PlantServer, Time};
 use crate::sample_cost::ICOUNT_SHIFT;
 pub use crate::sample_cost::{Figures, Spread};
-use crate::timing::LateSample;
 use pipes::Pipes;
 
 /// The emulator.

@@ -3,9 +3,9 @@
 use anyhow::{Result, bail, ensure};
 use embedded_storage::nor_flash::{NorFlash, ReadNorFlash};
 use pneudrive_app::flash_bus::{DONE, Operation, Request};
+use pneudrive_rigs::persistent_flash::{PersistentFlash, PowerOff};
 
 use super::pipes::Pipes;
-use crate::persistent_flash::{PersistentFlash, PowerOff};
 use crate::plant_server::Bus;
 
 /// Serves the flash until the board has gone; true if its power was cut.
