@@ -110,7 +110,7 @@ fn nothing_that_came_before_a_kill_is_asked_for_again() {
 
 /// As the studio and the Python package record: what has arrived lies in the folder of states until the record is whole.
 #[test]
-fn a_record_that_goes_to_no_folder_is_gone_on_with_as_well() {
+fn a_record_that_goes_to_no_folder_is_resumed_as_well() {
     let mut random = Random(4);
     let samples = any_samples(&mut random, 4389);
     let rig = SimulatedRig::with_record(&samples);

@@ -13,8 +13,8 @@ use rp235x_hal::gpio::{DynPinId, FunctionSio, Pin, PullDown, PullNone, PullUp, S
 use crate::clock::{ControlTimer, Wait};
 use crate::encoder::Encoder;
 use crate::flash::KeptFlash;
+use crate::scratch::KeptSpool;
 use crate::spi::{SensorBus, ValveBus};
-use crate::watchdog::KeptSpool;
 
 /// An output that an external resistor holds low until it is driven.
 pub type Output<I> = Pin<I, FunctionSio<SioOutput>, PullNone>;

@@ -8,7 +8,8 @@ use pneudrive_plan::pico2::clocks::{cycles, microseconds, wait_cycles};
 use rp235x_hal::pac::timer0::RegisterBlock;
 use rp235x_hal::pac::{RESETS, TIMER0};
 
-use crate::watchdog::HALTS;
+/// Whether watchdog and timer stand while a debugger has halted the processor.
+pub const HALTS: bool = cfg!(feature = "debug");
 
 /// The registers, to be read.
 fn registers() -> &'static RegisterBlock {

@@ -19,7 +19,8 @@
 //! | [`reset`] | what happens at a breakdown, and what is known of it after the reset |
 //! | [`spi`] | the buses of the converters |
 //! | [`start`] | clocks, pins and parts |
-//! | [`watchdog`] | the watchdog, and its memory that a reset leaves as it is |
+//! | [`scratch`] | the watchdog's registers, and its memory that a reset leaves as it is |
+//! | [`watchdog`] | the watchdog |
 //!
 //! What is computed for the chip stands in `pneudrive-plan`, which the PC tests.
 #![no_std]
@@ -38,6 +39,7 @@ mod log;
 mod oscillators;
 mod port;
 mod reset;
+mod scratch;
 mod spi;
 mod start;
 mod watchdog;

@@ -15,8 +15,10 @@ use pneudrive_app::runtime::reset::{CLOCK_FAILED, PANICKED, Reset, noted};
 use rp235x_hal::pac::{POWMAN, SIO};
 
 use crate::log::tell;
-use crate::start::ENABLE_PIN;
-use crate::watchdog;
+use crate::scratch;
+
+/// The pin of `drive_enable`, which `start` makes an output.
+const ENABLE_PIN: u8 = 8;
 
 /// Memory that the start-up code leaves as it is.
 struct Kept<T>(UnsafeCell<MaybeUninit<T>>);
@@ -29,12 +31,12 @@ static FAULTS: Kept<Memory> = Kept(UnsafeCell::new(MaybeUninit::uninit()));
 
 /// Why the board was reset. Once after a reset: the next reset finds none of this.
 pub fn reason(power: &POWMAN) -> Reset {
-    let (watchdog, software) = watchdog::reason();
+    let (watchdog, software) = scratch::reason();
     let chip = power.chip_reset().read();
     // These flags stay until the next reset of the whole chip; one by the watchdog comes after it.
     let power = !watchdog && !software && (chip.had_por().bit_is_set() || chip.had_bor().bit_is_set());
-    let reset = Reset { watchdog, software, power, note: watchdog::note() };
-    watchdog::leave_note(0);
+    let reset = Reset { watchdog, software, power, note: scratch::note() };
+    scratch::leave_note(0);
     reset
 }
 
@@ -58,11 +60,11 @@ fn switch_off() {
 fn break_down(cause: u32, tell: impl FnOnce()) -> ! {
     cortex_m::interrupt::disable();
     switch_off();
-    if noted(watchdog::note()).is_none() {
-        watchdog::leave_note(cause);
+    if noted(scratch::note()).is_none() {
+        scratch::leave_note(cause);
         tell();
     }
-    watchdog::reset()
+    scratch::reset()
 }
 
 /// Crystal and ring oscillator disagree.

@@ -21,11 +21,9 @@ use crate::flash::KeptFlash;
 use crate::log::tell;
 use crate::oscillators::Sources;
 use crate::port::Port;
-use crate::watchdog::{KeptSpool, Watchdog};
+use crate::scratch::KeptSpool;
+use crate::watchdog::Watchdog;
 use crate::{Control, Drive, Talk, oscillators, reset, spi};
-
-/// The pin of `drive_enable`.
-pub const ENABLE_PIN: u8 = 8;
 
 /// The longest piece of a request to an enabled drive, microseconds: the 2,400 instructions of docs/firmware-figures.md at
 /// six cycles each and 128 MHz. Not measured on this board.

@@ -1,28 +1,17 @@
-//! The watchdog, which counts by the ring oscillator, whatever becomes of the crystal; and its scratch registers: memory
-//! that every reset but that of the power leaves as it is (RP2350 data sheet, 12.9).
+//! The watchdog, which counts by the ring oscillator, whatever becomes of the crystal (RP2350 data sheet, 12.9).
 //!
 //! Whoever feeds it compares the two clocks ([`pneudrive_plan::pico2::clocks`]). If they disagree, no period is right any
 //! more: the drive is disabled, noted, reset.
-//!
-//! | register | holds |
-//! |---|---|
-//! | SCRATCH0 | the note of a breakdown |
-//! | SCRATCH1, SCRATCH2 | where a stepper's spool is |
-//! | SCRATCH4 to SCRATCH7 | the boot ROM's |
 
 use core::sync::atomic::{AtomicU32, Ordering};
 
-use pneudrive_app::runtime::spool::SpoolMemory;
 use pneudrive_app::runtime::talk;
 use pneudrive_plan::pico2::clocks::{LOOK_US, RUNNING_US, WRITING_FLASH_US, agree};
-use rp235x_hal::pac::watchdog::RegisterBlock;
 use rp235x_hal::pac::{PSM, WATCHDOG};
 
-use crate::clock::now_us;
+use crate::clock::{HALTS, now_us};
 use crate::reset;
-
-/// Whether watchdog and timer stand while a debugger has halted the processor.
-pub const HALTS: bool = cfg!(feature = "debug");
+use crate::scratch::registers;
 
 /// 32 us of the processor, dozens of cycles of the slowest ring oscillator.
 const SETTLING_CYCLES: u32 = 4096;
@@ -32,12 +21,6 @@ static LOADED_AT_US: AtomicU32 = AtomicU32::new(0);
 
 /// What is reset: everything but the two oscillators.
 const RESET_ALL: u32 = 0x01ff_fff3;
-
-/// The registers.
-fn registers() -> &'static RegisterBlock {
-    // SAFETY: the watchdog and its scratch registers are reached through this module alone; each is read and written whole.
-    unsafe { &*WATCHDOG::ptr() }
-}
 
 /// The watchdog: the idle task feeds it, and the flash asks it for time. Both belong to the idle task.
 #[derive(Clone, Copy)]
@@ -102,46 +85,4 @@ fn load(us: u32) {
     LOADED_AT_US.store(now_us(), Ordering::Relaxed);
     // SAFETY: 24 bits, and both times have fewer.
     registers().load().write(|w| unsafe { w.bits(us) });
-}
-
-/// Resets the board at once.
-pub fn reset() -> ! {
-    registers().ctrl().modify(|_, w| w.trigger().set_bit());
-    loop {
-        cortex_m::asm::nop();
-    }
-}
-
-/// Whether the watchdog has made the last reset: because it was not fed, or because the program asked for it.
-pub fn reason() -> (bool, bool) {
-    let reason = registers().reason().read();
-    (reason.timer().bit_is_set(), reason.force().bit_is_set())
-}
-
-/// The note of a breakdown.
-pub fn note() -> u32 {
-    registers().scratch0().read().bits()
-}
-
-/// Leaves a note.
-pub fn leave_note(note: u32) {
-    // SAFETY: any 32 bits.
-    registers().scratch0().write(|w| unsafe { w.bits(note) });
-}
-
-/// The memory for a stepper's spool. There is one, and the board has it.
-pub struct KeptSpool;
-
-impl SpoolMemory for KeptSpool {
-    #[inline]
-    fn keep(&mut self, [word, check]: [u32; 2]) {
-        // SAFETY: any 32 bits.
-        registers().scratch1().write(|w| unsafe { w.bits(word) });
-        // SAFETY: any 32 bits.
-        registers().scratch2().write(|w| unsafe { w.bits(check) });
-    }
-
-    fn kept(&self) -> [u32; 2] {
-        [registers().scratch1().read().bits(), registers().scratch2().read().bits()]
-    }
 }

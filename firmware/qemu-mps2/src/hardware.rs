@@ -9,39 +9,35 @@ use core::ptr::{read_volatile, write_volatile};
 
 use cortex_m::Peripherals;
 use cortex_m::interrupt::InterruptNumber;
-use cortex_m::peripheral::NVIC;
+use cortex_m::peripheral::{NVIC, SYST};
 use cortex_m_rt::{ExceptionFrame, exception};
 use pneudrive_app::fault_log::Memory;
 use semihosting::{eprintln, process};
 
 use crate::bus;
-use crate::clock::Clock;
-use crate::uart::Uart;
-use crate::watchdog::{BITTEN, Watchdog};
 
 /// What the board has.
 pub struct Hardware {
-    /// The protocol's port.
-    pub uart: Uart,
+    /// Those of the protocol's port.
+    pub uart: UartRegisters,
     /// The counter.
-    pub clock: Clock,
-    /// It must be fed.
-    pub watchdog: Watchdog,
+    pub syst: SYST,
+    /// Those of the watchdog.
+    pub watchdog: WatchdogRegisters,
     /// The memory of the fault log, with whatever stands in it.
     pub fault_memory: &'static mut Memory,
 }
 
 impl Hardware {
-    /// Starts the hardware; None at a second call.
+    /// The hardware; None at a second call.
     pub fn take() -> Option<Hardware> {
         let peripherals = Peripherals::take()?;
-        // There is one port, since the peripherals can be taken but once.
-        let uart = Uart::start(UartRegisters(()));
-        let watchdog = Watchdog::start(WatchdogRegisters(()));
+        // There is one port and one watchdog, since the peripherals can be taken but once.
+        let (uart, watchdog) = (UartRegisters(()), WatchdogRegisters(()));
         // SAFETY: any bytes are such a memory, and this is its one reference, since the peripherals can be
         // taken but once. The compiler is not to know that nobody has written them.
         let fault_memory = unsafe { &mut *black_box(FAULTS.0.get()).cast() };
-        Some(Hardware { uart, clock: Clock::start(peripherals.SYST), watchdog, fault_memory })
+        Some(Hardware { uart, syst: peripherals.SYST, watchdog, fault_memory })
     }
 }
 
@@ -148,6 +144,9 @@ static NOTE: Kept<u32> = Kept(UnsafeCell::new(MaybeUninit::uninit()));
 
 #[unsafe(link_section = ".uninit.faults")]
 static FAULTS: Kept<Memory> = Kept(UnsafeCell::new(MaybeUninit::uninit()));
+
+/// What is left in memory when the watchdog has interrupted.
+pub const BITTEN: u32 = 0x50d7_1e02;
 
 /// The note that was left before the reset; there is none after.
 pub fn take_note() -> u32 {

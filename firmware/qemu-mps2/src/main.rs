@@ -34,6 +34,7 @@ mod watchdog;
 
 use core::panic::PanicInfo;
 
+use pneudrive_app::fault_log::Memory;
 use pneudrive_app::lock_step::{Stopwatch, run_control};
 use pneudrive_app::plant_bus::{Next, Outputs};
 use pneudrive_app::{Board, Recorder, Server, SharedDrive, inputs};
@@ -44,7 +45,7 @@ use bus::PlantBus;
 use clock::Clock;
 use hardware::Hardware;
 use uart::Uart;
-use watchdog::fault_before_reset;
+use watchdog::{Watchdog, fault_before_reset};
 
 /// The half with a deadline, with a recorder that stands in zeroed memory.
 type Control = pneudrive_app::Control<&'static mut Recorder>;
@@ -54,9 +55,9 @@ fn main() -> ! {
     static mut RECORDER: Recorder = Recorder::new();
     // Nothing is done in interrupts: a pending one only ends a rest.
     cortex_m::interrupt::disable();
-    let hardware = Hardware::take().expect("main runs once");
+    let devices = Devices::start(Hardware::take().expect("main runs once"));
     let mut control = Control::with_recorder(RECORDER);
-    let code = match serve(&mut control, hardware) {
+    let code = match serve(&mut control, devices) {
         Ok(()) => 0,
         Err(error) => {
             eprintln!("plant bus: {error}");
@@ -66,9 +67,25 @@ fn main() -> ! {
     process::exit(code)
 }
 
+/// The hardware, started.
+struct Devices {
+    uart: Uart,
+    clock: Clock,
+    watchdog: Watchdog,
+    fault_memory: &'static mut Memory,
+}
+
+impl Devices {
+    fn start(hardware: Hardware) -> Devices {
+        let Hardware { uart, syst, watchdog, fault_memory } = hardware;
+        let (uart, watchdog) = (Uart::start(uart), Watchdog::start(watchdog));
+        Devices { uart, clock: Clock::start(syst), watchdog, fault_memory }
+    }
+}
+
 /// Samples, outputs and requests, until the plant has gone.
-fn serve(control: &mut Control, hardware: Hardware) -> Result<(), bus::Error> {
-    let Hardware { mut uart, mut clock, mut watchdog, fault_memory } = hardware;
+fn serve(control: &mut Control, devices: Devices) -> Result<(), bus::Error> {
+    let Devices { mut uart, mut clock, mut watchdog, fault_memory } = devices;
     let mut board = board::take_up(fault_memory)?;
     let mut server = Server::default();
     if board.starts_referenced() {

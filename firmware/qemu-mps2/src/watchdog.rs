@@ -4,14 +4,11 @@
 
 use pneudrive_controller::Fault;
 
-use crate::hardware::{self, WatchdogRegisters};
+use crate::hardware::{BITTEN, WatchdogRegisters, take_note};
 
 /// A time-out, clocks of 25 MHz: four seconds. While the board rests, virtual time follows the computer's,
 /// which may be busy with something else.
 const TIMEOUT: u32 = 100_000_000;
-
-/// What is left in memory when the watchdog has interrupted.
-pub const BITTEN: u32 = 0x50d7_1e02;
 
 /// The watchdog. Nothing stops it once it has started.
 pub struct Watchdog(WatchdogRegisters);
@@ -32,5 +29,5 @@ impl Watchdog {
 /// The fault that the board was reset by, if there was one. Once after a reset: the next one finds none of
 /// this.
 pub fn fault_before_reset() -> Option<Fault> {
-    (hardware::take_note() == BITTEN).then_some(Fault::Watchdog)
+    (take_note() == BITTEN).then_some(Fault::Watchdog)
 }

@@ -8,7 +8,7 @@
 //! | [`stream`] | which rows of a stream are there |
 //! | [`failure`] | why a request failed |
 //!
-//! Nothing is printed: notes go to the log.
+//! Nothing is printed.
 
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 

@@ -8,7 +8,7 @@
 //! | [`timing`] | its timing faults |
 //! | [`wiring`] | wires that are not where they belong, and the hand that pushes a slide |
 //!
-//! Nothing is printed: notes go to the log.
+//! Nothing is printed.
 
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 

@@ -4,6 +4,7 @@
 //! were written. Where more than one channel has a topic, each is a topic of its own: `/drive#1`, `/drive#2`.
 
 mod chunk;
+mod json;
 mod protobuf;
 
 use std::collections::HashMap;
@@ -12,6 +13,7 @@ use anyhow::{Context, Result, bail};
 use mcap::records::{Channel, Record};
 
 use super::Series;
+use json::of_json;
 use protobuf::Messages;
 
 /// The messages of a channel.
@@ -179,25 +181,4 @@ fn numbers(encoding: &Encoding, data: &[u8]) -> Result<Option<Vec<(String, f64)>
         Encoding::Other(_) => return Ok(None),
     }
     Ok(Some(numbers))
-}
-
-/// The name of a field of a field.
-fn below(path: &str, name: &str) -> String {
-    if path.is_empty() { name.to_owned() } else { format!("{path}.{name}") }
-}
-
-fn of_json(path: &str, value: &serde_json::Value, numbers: &mut Vec<(String, f64)>) {
-    use serde_json::Value as Json;
-    match value {
-        Json::Number(number) => numbers.extend(number.as_f64().map(|number| (path.to_owned(), number))),
-        Json::Bool(switch) => numbers.push((path.to_owned(), f64::from(u8::from(*switch)))),
-        Json::Object(fields) => {
-            fields.iter().for_each(|(name, value)| of_json(&below(path, name), value, numbers))
-        }
-        Json::Array(values) => {
-            let parts = values.iter().enumerate();
-            parts.for_each(|(place, value)| of_json(&below(path, &place.to_string()), value, numbers));
-        }
-        Json::Null | Json::String(_) => {}
-    }
 }
