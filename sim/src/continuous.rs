@@ -20,7 +20,7 @@
 //! ```
 
 use pneudrive_controller::Config;
-use pneudrive_controller::law::{LawConfig, LawKind, Loop};
+use pneudrive_controller::law::{Law, LawConfig, Loop};
 
 use crate::component::controller;
 use crate::component::encoder::pulse;
@@ -132,9 +132,9 @@ impl ContinuousLaw {
     /// Kp n_p - Kv n_v - Ka n_a, or its rate from the rates of n_p, y' and y''.
     fn sum(&self, error: f64, velocity: f64, acceleration: f64) -> f64 {
         let gain = match self.law.kind {
-            LawKind::GainProfile => self.law.gain_profile[self.index],
+            Law::GainProfile => self.law.gain_profile[self.index],
             // A checked rig has no relay and no dead zone here.
-            LawKind::Proportional | LawKind::MooreProportional | LawKind::OnOff => self.law.proportional_gain,
+            Law::Proportional | Law::MooreProportional | Law::OnOff => self.law.proportional_gain,
         };
         let n_v = velocity * self.velocity_window / self.pulse;
         let n_a = acceleration * self.velocity_window * self.acceleration_window / self.pulse;

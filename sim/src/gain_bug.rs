@@ -19,7 +19,7 @@
 use std::num::NonZeroU32;
 
 use pneudrive_controller::drive::DriveConfig;
-use pneudrive_controller::law::{LawConfig, LawKind};
+use pneudrive_controller::law::LawConfig;
 use pneudrive_controller::{Command, Config, Mode, Observation};
 
 use crate::component::controller::{self, Law, Loop};
@@ -158,7 +158,7 @@ impl GainBug {
     fn gain(&self, error: i32) -> u16 {
         let profile = &self.law.gain_profile;
         match self.law.kind {
-            LawKind::GainProfile => {
+            Law::GainProfile => {
                 let index = (error.unsigned_abs() / self.law.profile_span) as usize;
                 let last = profile.len() - 1;
                 profile[if self.reading == Reading::LastGain && error < 0 { last } else { index.min(last) }]

@@ -3,11 +3,13 @@
 //! Each component lists its own keys with `keys!`; [`crate::rig`] collects the lists. Units are part of the key's name
 //! ([`unit()`]); equations get values in the unit of the name, or SI.
 
+mod parameter;
 mod units;
 
 use std::marker::PhantomData;
 use std::ops::Deref;
 
+pub(crate) use parameter::*;
 pub use units::unit;
 
 /// A list of a rig file whose entries are tables.
@@ -374,9 +376,15 @@ macro_rules! words {
     };
 }
 
-/// Declares the keys of a component, and the list of them that [`crate::rig`] collects.
+/// Declares the keys of a component, and the list of them that [`crate::rig`] collects. Those of the controller's table come
+/// as its lines.
 macro_rules! keys {
-    ($($name:ident: $type:ty = $key:expr;)+) => {
+    ($($name:ident: $type:ty = $key:expr;)+) => { $crate::key::keys! { {} $($name: $type = $key;)+ } };
+    (
+        { $($id:literal $constant:ident $own:literal $unit:literal $range:tt $parameter:tt $thesis:literal $meaning:literal
+            $(only $($law:ident)+)?;)* }
+        $($name:ident: $type:ty = $key:expr;)*
+    ) => {
         /// Keys of a rig file, in the order of `rig explain`.
         #[allow(missing_docs, clippy::wildcard_imports)]
         #[rustfmt::skip]
@@ -386,10 +394,17 @@ macro_rules! keys {
             #[allow(unused_imports)]
             use $crate::key::*;
 
-            $(pub static $name: Typed<$type> = $key;)+
+            #[allow(unused_imports)]
+            use pneudrive_controller::parameters::id;
+
+            $(pub static $name: Typed<$type> = $key;)*
+            $($crate::key::parameter_key!($constant $parameter $(.chosen_by(&LAW, &[$(Law::$law.word()),+]))?);)*
 
             /// All of them.
-            pub static ALL: &[&Key] = &[$(&$name.key),+];
+            pub static ALL: &[&Key] = &[
+                $(&$name.key,)*
+                $($crate::key::declared_key!($constant $parameter),)*
+            ];
         }
     };
 }

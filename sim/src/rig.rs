@@ -25,6 +25,7 @@ mod value;
 pub use builtin::{BUILTIN, builtin};
 pub use explain::{explain, preset_in_words, range_in_words};
 pub use names::{key_of, nearest};
+pub use parameters::OF_SEVERAL;
 pub use problem::{Problem, Problems};
 pub use quantity::{Reading, read as read_quantity};
 pub use read::{RigFile, value_of_setting};

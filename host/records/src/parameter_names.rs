@@ -7,96 +7,9 @@
 
 use anyhow::{Context, Result, anyhow, bail};
 use pneudrive_controller::Parameters;
-use pneudrive_controller::parameters::{Parameter, TABLE, by_name, id, lookup};
-
-/// How a key of a rig file writes the value of a parameter.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Form {
-    /// As it is.
-    Whole,
-    /// In a unit that is 10 to this power times as large, given by the key's name.
-    Scaled(u32),
-    /// As a word; its index is the value.
-    Words(&'static [&'static str]),
-}
-
-use Form::{Scaled, Whole, Words};
-
-const OFF_ON: Form = Words(&["false", "true"]);
-
-/// Parameters that have their own key, by id.
-#[rustfmt::skip]
-const KEYS: &[(u16, &str, Form)] = &[
-    (id::PERIOD_US, "controller.period_s", Scaled(6)),
-    (id::DELAY_US, "controller.delay_s", Scaled(6)),
-    (id::OPEN_LOOP, "controller.loop", Words(&["closed", "open"])),
-    (id::LAW, "controller.law", Words(&["gain-profile", "proportional", "moore-proportional", "on-off"])),
-    (id::PROFILE_SPAN_COUNTS, "controller.profile_span_counts", Whole),
-    (id::PROPORTIONAL_GAIN, "controller.proportional_gain", Whole),
-    (id::VELOCITY_GAIN, "controller.velocity_gain", Whole),
-    (id::ACCELERATION_GAIN, "controller.acceleration_gain", Whole),
-    (id::VELOCITY_FEED_FORWARD, "controller.velocity_feed_forward", Whole),
-    (id::ACCELERATION_FEED_FORWARD, "controller.acceleration_feed_forward", Whole),
-    (id::VELOCITY_WINDOW_SAMPLES, "controller.velocity_window_samples", Whole),
-    (id::ACCELERATION_WINDOW_SAMPLES, "controller.acceleration_window_samples", Whole),
-    (id::VELOCITY_DEAD_BAND, "controller.velocity_dead_band", Whole),
-    (id::DEAD_BAND_COUNTS, "controller.dead_band_counts", Whole),
-    (id::SCALE, "controller.scale", Whole),
-    (id::NULL_OFFSET_COUNTS, "controller.null_offset_counts", Whole),
-    (id::LATE_SAMPLE_US, "safety.late_sample_us", Whole),
-    (id::LATE_OUTPUT_US, "safety.late_output_us", Whole),
-    (id::HOST_SILENCE_MS, "safety.host_silence_s", Scaled(3)),
-    (id::ENCODER_INVERTED, "encoder.polarity", Words(&["1", "-1"])),
-    (id::ENCODER_PM_PER_COUNT, "encoder.mm_per_count", Scaled(9)),
-    (id::ENCODER_MODEL, "encoder.model", Words(&["quadrature", "potentiometer", "ssi"])),
-    (id::PRESSURE_SENSORS, "sensors.pressure", OFF_ON),
-    (id::SENSOR_BITS, "sensors.bits", Whole),
-    (id::PRESSURE_MIN_PA, "sensors.pressure_min_pa", Whole),
-    (id::PRESSURE_MAX_PA, "sensors.pressure_max_pa", Whole),
-    (id::SPOOL_MIN_NM, "sensors.spool_min_mm", Scaled(6)),
-    (id::SPOOL_MAX_NM, "sensors.spool_max_mm", Scaled(6)),
-    (id::MAX_STEPS, "operator.max_steps", Whole),
-    (id::DEAD_ZONE_COUNTS, "controller.dead_zone_counts", Whole),
-    (id::RELAY_HYSTERESIS_COUNTS, "controller.relay_hysteresis_counts", Whole),
-    (id::TOLERANCE_COUNTS, "controller.tolerance_counts", Whole),
-    (id::MONITORING_US, "controller.monitoring_s", Scaled(6)),
-    (id::DWELL_US, "controller.dwell_s", Scaled(6)),
-    (id::FORCED_EXIT_US, "controller.forced_exit_s", Scaled(6)),
-    (id::ON_ARRIVAL, "controller.exit_on_dead_band", OFF_ON),
-    (id::NO_MOTION_MS, "safety.no_motion_s", Scaled(3)),
-    (id::HOMING_SWITCH, "controller.homing", Words(&["stop", "switch"])),
-    (id::HOMING_COMMAND_COUNTS, "controller.homing_command_counts", Whole),
-    (id::HOMING_POSITION_COUNTS, "controller.homing_position_counts", Whole),
-    (id::HOMING_BACK_OFF_COUNTS, "controller.homing_back_off_counts", Whole),
-    (id::HOMING_STILL_MS, "controller.homing_still_s", Scaled(3)),
-    (id::HOMING_TIMEOUT_MS, "controller.homing_timeout_s", Scaled(3)),
-    (id::PULSE_WIDTH_US, "operator.pulse_width_us", Whole),
-    (id::DIRECTION_SETUP_US, "operator.direction_setup_us", Whole),
-    (id::HOLD_MS, "safety.hold_s", Scaled(3)),
-    (id::INPUT_DEBOUNCE_MS, "safety.input_debounce_s", Scaled(3)),
-    (id::INPUT_SETTLING_MS, "safety.input_settling_s", Scaled(3)),
-    (id::GAIN_PROFILE, "controller.gain_profile", Whole),
-];
-
-/// Keys of a rig file that determine a parameter together with others.
-pub const OF_SEVERAL: [&str; 16] = [
-    "actuator.stroke_m",
-    "controller.learn_null_offset",
-    "controller.learning_gain",
-    "controller.pressure_feedback_gain",
-    "encoder.bits",
-    "encoder.noise_counts",
-    "encoder.range_mm",
-    "encoder.zero_mm",
-    "exhaust.pressure_pa",
-    "operator.model",
-    "safety.end_max_mm",
-    "safety.end_min_mm",
-    "safety.max_speed_m_s",
-    "safety.position_margin_mm",
-    "safety.sensor_watch",
-    "supply.pressure_pa",
-];
+use pneudrive_controller::parameters::Form::{self, Scaled, Whole, Words};
+use pneudrive_controller::parameters::{Parameter, RigKey, TABLE, by_name, id, lookup};
+use pneudrive_sim::rig::OF_SEVERAL;
 
 /// A parameter as it is written.
 #[derive(Clone, Copy, Debug)]
@@ -112,14 +25,13 @@ impl Written {
     /// A parameter, or the list that an entry belongs to, by its id.
     pub fn of(id: u16) -> Option<Written> {
         let parameter = lookup(id)?;
-        let key = KEYS.iter().find(|(of, ..)| *of == parameter.id);
-        let (name, form) = key.map_or((parameter.name, Whole), |&(_, name, form)| (name, form));
-        Some(Written { parameter, name, form })
+        let RigKey { path, form } = parameter.key.unwrap_or(RigKey { path: parameter.name, form: Whole });
+        Some(Written { parameter, name: path, form })
     }
 
     /// A parameter by the key of a rig file, or by the device's own name, which implies the device's unit.
     pub fn named(name: &str) -> Option<Written> {
-        let of_key = KEYS.iter().find(|(_, key, _)| *key == name).and_then(|(id, ..)| Written::of(*id));
+        let of_key = with_key(name).and_then(|parameter| Written::of(parameter.id));
         let own = || by_name(name).map(|parameter| Written { parameter, name: parameter.name, form: Whole });
         of_key.or_else(own)
     }
@@ -233,9 +145,14 @@ pub fn names_of(own: &[&'static str]) -> Vec<&'static str> {
     own.iter().map(|name| by_name(name).map_or(*name, |parameter| name_of(parameter.id))).collect()
 }
 
+/// The parameter that a key of a rig file sets by itself.
+fn with_key(path: &str) -> Option<&'static Parameter> {
+    TABLE.iter().find(|parameter| parameter.key.is_some_and(|key| key.path == path))
+}
+
 /// Whether a key of a rig file determines a parameter of the controller, or part of one.
 pub fn is_parameter(key: &str) -> bool {
-    OF_SEVERAL.contains(&key) || KEYS.iter().any(|(_, name, _)| *name == key)
+    OF_SEVERAL.iter().any(|of| of.path == key) || with_key(key).is_some()
 }
 
 /// The whole number of a text, within the range of the device.
@@ -285,12 +202,10 @@ mod tests {
 
     #[test]
     fn every_name_is_a_key_of_rig_files_and_stands_for_one_parameter() {
-        for (place, (of, key, _)) in KEYS.iter().enumerate() {
-            assert!(explain(key).is_ok(), "{key}");
-            assert!(KEYS[place + 1..].iter().all(|(other, name, _)| other != of && name != key), "{key}");
-        }
-        for key in OF_SEVERAL {
-            assert!(explain(key).is_ok(), "{key}");
+        let paths: Vec<&str> = TABLE.iter().filter_map(|parameter| Some(parameter.key?.path)).collect();
+        for (place, path) in paths.iter().enumerate() {
+            assert!(explain(path).is_ok(), "{path}");
+            assert!(!paths[place + 1..].contains(path), "{path}");
         }
     }
 
@@ -298,7 +213,7 @@ mod tests {
     #[test]
     fn a_rig_file_that_says_what_is_written_of_a_parameter_gives_it_that_value() {
         let default = Rig::read("test", "").expect("the empty file").parameters();
-        for written in Written::all().filter(|written| KEYS.iter().any(|(_, key, _)| *key == written.name)) {
+        for written in Written::all().filter(|written| written.parameter.key.is_some()) {
             let Parameter { id, len, .. } = *written.parameter;
             let text = written.all_text(&default);
             let quoted = match written.form {

@@ -9,10 +9,11 @@ use core::num::NonZeroU32;
 pub use error::ConfigError;
 pub use unwatched::unwatched;
 
+use crate::choice::HomingKind;
 use crate::drive::{DacConfig, DriveConfig, MAX_COUNTS, Translator};
 use crate::estimator::EstimatorConfig;
-use crate::homing::{HomingConfig, HomingKind};
-use crate::law::{LawConfig, LawKind, Loop};
+use crate::homing::HomingConfig;
+use crate::law::{Law, LawConfig, Loop};
 use crate::limits::{Limits, NULL_DRIFT, NULL_SAMPLES, NoMotion};
 use crate::parameters::{Parameters, id};
 use crate::sequencer::{FeedForward, MotionConfig};
@@ -82,7 +83,7 @@ impl Default for Config {
             estimator: EstimatorConfig { velocity_window: 5, acceleration_window: 3 },
             law: LawConfig {
                 control_loop: Loop::Closed,
-                kind: LawKind::GainProfile,
+                kind: Law::GainProfile,
                 gain_profile: Parameters::default().gain_profile,
                 profile_span: PROFILE_SPAN,
                 proportional_gain: 1,
@@ -191,15 +192,10 @@ fn law(
     divisor: &impl Fn(u16) -> Result<NonZeroU32, ConfigError>,
 ) -> Result<LawConfig, ConfigError> {
     let unsigned = |id| parameters.scalar(id).unsigned_abs();
-    let kind = match parameters.scalar(id::LAW) {
-        1 => LawKind::Proportional,
-        2 => LawKind::MooreProportional,
-        3 => LawKind::OnOff,
-        _ => LawKind::GainProfile,
-    };
+    let kind = parameters.law();
     let pressure_gain = consistency::pressure_gain(parameters);
     Ok(LawConfig {
-        control_loop: if parameters.scalar(id::OPEN_LOOP) == 0 { Loop::Closed } else { Loop::Open },
+        control_loop: Loop::of(parameters.scalar(id::OPEN_LOOP)),
         kind,
         gain_profile: parameters.gain_profile,
         profile_span: divisor(id::PROFILE_SPAN_COUNTS)?,
@@ -211,7 +207,7 @@ fn law(
         dead_zone: unsigned(id::DEAD_ZONE_COUNTS) as u16,
         relay_hysteresis: unsigned(id::RELAY_HYSTERESIS_COUNTS),
         pressure_gain,
-        by_pressures: kind == LawKind::OnOff || pressure_gain != 0,
+        by_pressures: kind == Law::OnOff || pressure_gain != 0,
         scale: divisor(id::SCALE)?,
         null_offset: parameters.scalar(id::NULL_OFFSET_COUNTS) as i16,
         learning_gain: unsigned(id::LEARNING_GAIN) as u16,
@@ -255,7 +251,7 @@ fn feed_forward(parameters: &Parameters) -> FeedForward {
 fn homing(parameters: &Parameters, period_us: NonZeroU32) -> HomingConfig {
     let unsigned = |id| parameters.scalar(id).unsigned_abs();
     HomingConfig {
-        kind: if parameters.scalar(id::HOMING_SWITCH) == 0 { HomingKind::Stop } else { HomingKind::Switch },
+        kind: HomingKind::of(parameters.scalar(id::HOMING_SWITCH)),
         command: parameters.scalar(id::HOMING_COMMAND_COUNTS) as i16,
         position: parameters.scalar(id::HOMING_POSITION_COUNTS),
         // Less would not be told from standing still.
@@ -358,7 +354,7 @@ mod tests {
             (id::LATE_OUTPUT_US, 13),
         ])
         .expect("they go together");
-        assert_eq!((config.law.control_loop, config.law.kind), (Loop::Open, LawKind::Proportional));
+        assert_eq!((config.law.control_loop, config.law.kind), (Loop::Open, Law::Proportional));
         assert_eq!(
             (config.law.proportional_gain, config.law.velocity_gain, config.law.acceleration_gain),
             (2, 3, 4)

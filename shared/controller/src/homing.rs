@@ -15,16 +15,8 @@
 //! A run that begins on its switch backs off first. A pause on the way back to a stop is not the stop: an axis that is
 //! reversed takes a while. What never comes to the same place twice runs until `timeout_samples`.
 
+use crate::choice::HomingKind;
 use crate::standstill::Standstill;
-
-/// Where the homing run ends.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum HomingKind {
-    /// At a mechanical stop.
-    Stop,
-    /// At the edge of a switch.
-    Switch,
-}
 
 /// The homing run's settings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

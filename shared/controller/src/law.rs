@@ -34,37 +34,14 @@
 
 use core::num::NonZeroU32;
 
+pub use crate::choice::{Law, Loop};
 use crate::drive::MAX_COUNTS;
 use crate::estimator::Motion;
 use crate::fixed::{divide_toward_zero, saturate};
 use crate::learning::NullOffset;
+use crate::parameters::PROFILE_LEN;
 use crate::pressure::Mean;
 use crate::signal::Sample;
-
-/// Entries of the gain profile (thesis 6.3.3).
-pub const PROFILE_LEN: usize = 256;
-
-/// Where the command comes from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Loop {
-    /// The law closes the loop over the encoder.
-    Closed,
-    /// Moves are commands; nothing is fed back (thesis L(3) = 0).
-    Open,
-}
-
-/// How the position error is weighed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum LawKind {
-    /// A gain per range of error (Appendix IX).
-    GainProfile,
-    /// One gain (thesis C(21)).
-    Proportional,
-    /// One gain, and a step across the dead zone of the valve.
-    MooreProportional,
-    /// A relay: the valve is shut or wide open.
-    OnOff,
-}
 
 /// The law's constants. Gains are plain numbers; `scale` makes the demand valve counts.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -72,7 +49,7 @@ pub struct LawConfig {
     /// Open or closed loop.
     pub control_loop: Loop,
     /// Which gain is used on the error.
-    pub kind: LawKind,
+    pub kind: Law,
     /// `Kp[i]`; entry i holds for errors from i to i + 1 spans, the last one beyond.
     pub gain_profile: [u16; PROFILE_LEN],
     /// Counts of error that one profile entry covers.
@@ -170,20 +147,20 @@ pub(crate) fn demand(
 fn by_pressures(config: &LawConfig, memory: &mut Memory, aim: &Aim, motion: &Motion, input: &Sample) -> i32 {
     let pressure = i64::from(config.pressure_gain) * i64::from(memory.pressure.transient(input));
     let (gain, fed_forward) = match config.kind {
-        LawKind::OnOff => (config.proportional_gain, 0),
-        LawKind::GainProfile => (profile_gain(config, aim.error), aim.feed_forward),
-        LawKind::Proportional | LawKind::MooreProportional => (config.proportional_gain, aim.feed_forward),
+        Law::OnOff => (config.proportional_gain, 0),
+        Law::GainProfile => (profile_gain(config, aim.error), aim.feed_forward),
+        Law::Proportional | Law::MooreProportional => (config.proportional_gain, aim.feed_forward),
     };
     let sum = scaled(config, weighed(config, gain, aim.error, motion) + fed_forward - pressure);
     let null = i32::from(config.null_offset).saturating_add(memory.null_offset.counts());
     match config.kind {
-        LawKind::OnOff => {
+        Law::OnOff => {
             let side = memory.relay.switch(sum, config.dead_band, config.relay_hysteresis);
             i32::from(side) * i32::from(MAX_COUNTS)
         }
         _ if is_idle(config, aim) => null,
-        LawKind::MooreProportional => across_dead_zone(config, aim.error, sum).saturating_add(null),
-        LawKind::GainProfile | LawKind::Proportional => sum.saturating_add(null),
+        Law::MooreProportional => across_dead_zone(config, aim.error, sum).saturating_add(null),
+        Law::GainProfile | Law::Proportional => sum.saturating_add(null),
     }
 }
 
@@ -198,9 +175,9 @@ fn from_null(config: &LawConfig, aim: &Aim, motion: &Motion) -> i32 {
     let by_gain = |gain| scaled(config, weighed(config, gain, error, motion) + aim.feed_forward);
     match config.kind {
         _ if is_idle(config, aim) => 0,
-        LawKind::GainProfile => by_gain(profile_gain(config, error)),
-        LawKind::MooreProportional => across_dead_zone(config, error, by_gain(config.proportional_gain)),
-        LawKind::Proportional | LawKind::OnOff => by_gain(config.proportional_gain),
+        Law::GainProfile => by_gain(profile_gain(config, error)),
+        Law::MooreProportional => across_dead_zone(config, error, by_gain(config.proportional_gain)),
+        Law::Proportional | Law::OnOff => by_gain(config.proportional_gain),
     }
 }
 

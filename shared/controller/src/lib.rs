@@ -15,7 +15,8 @@
 //! | module | holds |
 //! |---|---|
 //! | [`signal`] | what goes in and what comes out: [`Sample`], [`Command`] |
-//! | [`parameters`] | the one table of parameters: id, unit, range, default, meaning, thesis name |
+//! | [`parameters`] | the one table of parameters: id, unit, range, default, rig key, meaning, thesis name |
+//! | [`choice`] | what parameters choose among, by its words; the list of the laws |
 //! | [`config`] | the validated, immutable form of the parameters that the law runs on |
 //! | [`estimator`] | velocity and acceleration as differences of counts |
 //! | [`profile`] | the way of a setpoint while a move is under way |
@@ -39,6 +40,7 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
+pub mod choice;
 pub mod config;
 pub mod drive;
 pub mod estimator;

@@ -1,80 +1,35 @@
 //! The one table of the controller's parameters.
 //!
-//! It serves `config get/set/export/import`, storage as (id, value) pairs, the header of TARGET
-//! files and help. Ids are stored and sent: they never change and are never used again. Values are
-//! `i32`, whatever the type they become in [`Config`](crate::Config).
+//! Its [lines](crate::parameter_table) make the ids, ranges and defaults that a board needs, and names, units, keys and help
+//! that only a PC does: what a board does not read is not in its image. Keys of rig files, names on the device, JSON and help
+//! come from it. Values are `i32`, whatever type they become in [`Config`](crate::Config).
 
-use crate::law::PROFILE_LEN;
+#[macro_use]
+mod table;
 
-/// Ids of the parameters, in the order of the table.
-pub mod id {
-    #![allow(missing_docs)] // The table below says what each one means.
-    pub const PERIOD_US: u16 = 1;
-    pub const DELAY_US: u16 = 2;
-    pub const OPEN_LOOP: u16 = 3;
-    pub const LAW: u16 = 4;
-    pub const PROFILE_SPAN_COUNTS: u16 = 5;
-    pub const PROPORTIONAL_GAIN: u16 = 6;
-    pub const VELOCITY_GAIN: u16 = 7;
-    pub const ACCELERATION_GAIN: u16 = 8;
-    pub const VELOCITY_WINDOW_SAMPLES: u16 = 9;
-    pub const ACCELERATION_WINDOW_SAMPLES: u16 = 10;
-    pub const VELOCITY_DEAD_BAND: u16 = 11;
-    pub const DEAD_BAND_COUNTS: u16 = 12;
-    pub const SCALE: u16 = 13;
-    pub const NULL_OFFSET_COUNTS: u16 = 14;
-    pub const POSITION_MIN_COUNTS: u16 = 15;
-    pub const POSITION_MAX_COUNTS: u16 = 16;
-    pub const ENCODER_STEP_COUNTS: u16 = 17;
-    pub const LATE_SAMPLE_US: u16 = 18;
-    pub const HOST_SILENCE_MS: u16 = 19;
-    pub const NULL_CODE: u16 = 20;
-    pub const OUTPUT_INVERTED: u16 = 21;
-    pub const ENCODER_INVERTED: u16 = 22;
-    pub const ENCODER_PM_PER_COUNT: u16 = 23;
-    pub const SENSOR_BITS: u16 = 24;
-    pub const PRESSURE_MIN_PA: u16 = 25;
-    pub const PRESSURE_MAX_PA: u16 = 26;
-    pub const SPOOL_MIN_NM: u16 = 27;
-    pub const SPOOL_MAX_NM: u16 = 28;
-    pub const STEPPER: u16 = 29;
-    pub const MAX_STEPS: u16 = 30;
-    pub const DEAD_ZONE_COUNTS: u16 = 31;
-    pub const RELAY_HYSTERESIS_COUNTS: u16 = 32;
-    pub const PRESSURE_FEEDBACK_GAIN: u16 = 33;
-    pub const TOLERANCE_COUNTS: u16 = 34;
-    pub const MONITORING_US: u16 = 35;
-    pub const DWELL_US: u16 = 36;
-    pub const FORCED_EXIT_US: u16 = 37;
-    pub const ON_ARRIVAL: u16 = 38;
-    pub const LEARNING_GAIN: u16 = 39;
-    pub const END_MIN_COUNTS: u16 = 40;
-    pub const END_MAX_COUNTS: u16 = 41;
-    pub const SENSOR_LOW_RAW: u16 = 42;
-    pub const SENSOR_HIGH_RAW: u16 = 43;
-    pub const SENSOR_SAMPLES: u16 = 44;
-    pub const NO_MOTION_MS: u16 = 45;
-    pub const HOMING_SWITCH: u16 = 46;
-    pub const HOMING_COMMAND_COUNTS: u16 = 47;
-    pub const HOMING_POSITION_COUNTS: u16 = 48;
-    pub const HOMING_STILL_MS: u16 = 49;
-    pub const HOMING_TIMEOUT_MS: u16 = 50;
-    pub const PULSE_WIDTH_US: u16 = 51;
-    pub const DIRECTION_SETUP_US: u16 = 52;
-    pub const NO_MOTION_COUNTS: u16 = 53;
-    pub const HOLD_MS: u16 = 54;
-    pub const LATE_OUTPUT_US: u16 = 55;
-    pub const HOMING_BACK_OFF_COUNTS: u16 = 56;
-    pub const VELOCITY_FEED_FORWARD: u16 = 57;
-    pub const ACCELERATION_FEED_FORWARD: u16 = 58;
-    pub const ENCODER_MODEL: u16 = 59;
-    pub const ENCODER_ZERO_COUNTS: u16 = 60;
-    pub const PRESSURE_SENSORS: u16 = 61;
-    pub const PRESSURE_DAMPING_GAIN: u16 = 62;
-    pub const INPUT_DEBOUNCE_MS: u16 = 63;
-    pub const INPUT_SETTLING_MS: u16 = 64;
-    /// Entry 0; entry i has the id `GAIN_PROFILE + i`.
-    pub const GAIN_PROFILE: u16 = 256;
+use crate::choice::{EncoderKind, HomingKind, Law, Loop};
+
+/// Entries of the gain profile (thesis 6.3.3).
+pub const PROFILE_LEN: usize = 256;
+
+/// How a rig file writes a value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Form {
+    /// As it is.
+    Whole,
+    /// In a unit that is 10 to this power times as large, given by the key's name.
+    Scaled(u32),
+    /// As a word; its place is the value.
+    Words(&'static [&'static str]),
+}
+
+/// The key of a rig file that sets a parameter by itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RigKey {
+    /// "table.name".
+    pub path: &'static str,
+    /// How it writes the value.
+    pub form: Form,
 }
 
 /// One line of the table.
@@ -94,26 +49,68 @@ pub struct Parameter {
     pub max: i32,
     /// Value of a new controller (thesis Appendix VII where it has one).
     pub default: i32,
+    /// Its key in a rig file, unless that computes it from several.
+    pub key: Option<RigKey>,
     /// What it does.
     pub meaning: &'static str,
     /// Name in the thesis, or "".
     pub thesis: &'static str,
 }
 
-/// A scalar line, in the order the table is read in.
-macro_rules! scalar {
-    ($id:ident, $name:literal, $unit:literal, $min:expr, $max:expr, $default:expr, $thesis:literal, $meaning:literal) => {
-        Parameter {
-            id: id::$id,
+/// The key that a line tells.
+macro_rules! key {
+    ($table:ident $name:literal ()) => { None };
+    (components $name:literal ($path:literal $($form:tt)+)) => { Some(RigKey { path: $path, form: form!($($form)+) }) };
+    ($table:ident $name:literal ($key:ident $own:literal $($form:tt)+)) => { key!($table $own ($($form)+)) };
+    ($table:ident $name:literal ($($form:tt)+)) => {
+        Some(RigKey { path: concat!(stringify!($table), ".", $name), form: form!($($form)+) })
+    };
+}
+
+macro_rules! form {
+    (Whole) => {
+        Form::Whole
+    };
+    (Scaled($digits:literal)) => {
+        Form::Scaled($digits)
+    };
+    (Switch) => {
+        Form::Words(&["false", "true"])
+    };
+    (Polarity) => {
+        Form::Words(&["1", "-1"])
+    };
+    (Words($words:ident)) => {
+        Form::Words($words::WORDS)
+    };
+}
+
+/// Makes the ids and the lines.
+macro_rules! table {
+    ($($section:ident {
+        $($id:literal $constant:ident $name:literal $unit:literal [$min:expr, $max:expr, $default:expr] $key:tt $thesis:literal
+            $meaning:literal $(only $($law:ident)+)?;)+
+    })+) => {
+        /// Ids of the parameters.
+        pub mod id {
+            $($(#[doc = $meaning] pub const $constant: u16 = $id;)+)+
+            /// Entry 0; entry i has the id `GAIN_PROFILE + i`.
+            pub const GAIN_PROFILE: u16 = 256;
+        }
+
+        /// Scalars, in the order of their sections.
+        const LINES: &[Parameter] = &[$($(Parameter {
+            id: id::$constant,
             name: $name,
             len: 1,
             unit: $unit,
             min: $min,
             max: $max,
             default: $default,
+            key: key!($section $name $key),
             meaning: $meaning,
             thesis: $thesis,
-        }
+        },)+)+];
     };
 }
 
@@ -122,89 +119,67 @@ const GAIN_MAX: i32 = u16::MAX as i32;
 const WINDOW_MAX: i32 = crate::estimator::MAX_WINDOW_SAMPLES as i32;
 const COMMAND_MAX: i32 = crate::drive::MAX_COUNTS as i32;
 const RAW_MAX: i32 = i16::MAX as i32;
-const TIME_MAX: i32 = i32::MAX;
+const TIME_MAX: i32 = 2_000_000_000;
 const SECOND_MS: i32 = 1000;
 const HOUR_MS: i32 = 3_600_000;
 const CODE_MAX: i32 = crate::drive::MAX_CODE as i32;
+const LAW_MAX: i32 = Law::ALL.len() as i32 - 1;
+const ENCODER_MAX: i32 = EncoderKind::ALL.len() as i32 - 1;
+
+parameter_table!(table);
+
+/// The only list.
+const GAIN_PROFILE: Parameter = Parameter {
+    id: id::GAIN_PROFILE,
+    name: "gain_profile",
+    len: PROFILE_LEN as u16,
+    unit: "",
+    min: 0,
+    max: GAIN_MAX,
+    default: 256,
+    key: Some(RigKey { path: "controller.gain_profile", form: Form::Whole }),
+    thesis: "Kp(0)..Kp(255)",
+    meaning: "Gain on the error, an entry for each span of error; the last one repeats to 256 entries.",
+};
+
+const SCALARS: usize = LINES.len();
 
 /// Scalars in the order of their ids (id - 1 is the place), then the gain profile.
-#[rustfmt::skip]
-pub static TABLE: [Parameter; 65] = [
-    scalar!(PERIOD_US, "period_us", "us", 100, 100_000, 1300, "C(41)", "Sample period."),
-    scalar!(DELAY_US, "delay_us", "us", 1, 99_999, 500, "C(26)", "From the sample to its output; less than the period."),
-    scalar!(OPEN_LOOP, "open_loop", "", 0, 1, 0, "L(3)", "0: the law closes the loop. 1: moves are valve commands."),
-    scalar!(LAW, "law", "", 0, 3, 0, "L(8), L(22)", "0: gain profile. 1: proportional. 2: Moore's proportional. 3: on-off."),
-    scalar!(PROFILE_SPAN_COUNTS, "profile_span_counts", "counts", 1, 65_535, 4, "L(67)", "Range of error that one entry of the gain profile covers."),
-    scalar!(PROPORTIONAL_GAIN, "proportional_gain", "", 0, GAIN_MAX, 1, "C(21)", "Gain of the laws without a profile."),
-    scalar!(VELOCITY_GAIN, "velocity_gain", "", 0, GAIN_MAX, 1, "C(43)", "Gain on counts per velocity window."),
-    scalar!(ACCELERATION_GAIN, "acceleration_gain", "", 0, GAIN_MAX, 1, "C(44)", "Gain on counts per velocity and acceleration window."),
-    scalar!(VELOCITY_WINDOW_SAMPLES, "velocity_window_samples", "samples", 1, WINDOW_MAX, 5, "L(52)", "Samples over which the velocity is a difference of counts."),
-    scalar!(ACCELERATION_WINDOW_SAMPLES, "acceleration_window_samples", "samples", 1, WINDOW_MAX, 3, "L(77)", "Samples over which the acceleration is a difference of velocities."),
-    scalar!(VELOCITY_DEAD_BAND, "velocity_dead_band", "counts/window", 0, COUNT_MAX, 0, "C(45)", "Velocities below it count as standstill; 0: off."),
-    scalar!(DEAD_BAND_COUNTS, "dead_band_counts", "counts", 0, COUNT_MAX, 0, "C(27)", "Errors below it ask for nothing; 0: off."),
-    scalar!(SCALE, "scale", "", 1, COUNT_MAX, 256, "L(68)", "The law's sum is divided by it to give valve counts: 256 solenoid, 65536 stepper."),
-    scalar!(NULL_OFFSET_COUNTS, "null_offset_counts", "counts", -COMMAND_MAX, COMMAND_MAX, 0, "8.2.3", "Added to the demand of a closed loop: the command at which the valve is at its null."),
-    scalar!(POSITION_MIN_COUNTS, "position_min_counts", "counts", -COUNT_MAX, COUNT_MAX, -249, "", "Below it the supervisor trips."),
-    scalar!(POSITION_MAX_COUNTS, "position_max_counts", "counts", -COUNT_MAX, COUNT_MAX, 25_145, "", "Above it the supervisor trips."),
-    scalar!(ENCODER_STEP_COUNTS, "encoder_step_counts", "counts", 1, COUNT_MAX, 540, "", "A longer step in one sample trips the supervisor."),
-    scalar!(LATE_SAMPLE_US, "late_sample_us", "us", 1, 100_000, 100, "", "A sample later than this trips the supervisor."),
-    scalar!(HOST_SILENCE_MS, "host_silence_ms", "ms", 0, HOUR_MS, 500, "", "Silence of the host that trips a running move or homing run; 0: off."),
-    scalar!(NULL_CODE, "null_code", "", 0, CODE_MAX, 2048, "", "Code of the converter at which the valve is at its null."),
-    scalar!(OUTPUT_INVERTED, "output_inverted", "", 0, 1, 0, "", "1: a larger code retracts."),
-    scalar!(ENCODER_INVERTED, "encoder_inverted", "", 0, 1, 0, "", "1: the encoder counts down when the rod extends."),
-    scalar!(ENCODER_PM_PER_COUNT, "encoder_pm_per_count", "pm", 1, i32::MAX, 12_050_000, "C(42)", "Stroke per encoder count."),
-    scalar!(SENSOR_BITS, "sensor_bits", "bits", 8, 15, 12, "", "Width of the converter of the pressure and spool sensors."),
-    scalar!(PRESSURE_MIN_PA, "pressure_min_pa", "Pa", 0, i32::MAX, 0, "", "Absolute pressure at raw 0."),
-    scalar!(PRESSURE_MAX_PA, "pressure_max_pa", "Pa", 1, i32::MAX, 1_000_000, "", "Absolute pressure at full scale."),
-    scalar!(SPOOL_MIN_NM, "spool_min_nm", "nm", i32::MIN, i32::MAX, -1_250_000, "", "Spool displacement at raw 0."),
-    scalar!(SPOOL_MAX_NM, "spool_max_nm", "nm", i32::MIN, i32::MAX, 1_250_000, "", "Spool displacement at full scale."),
-    scalar!(STEPPER, "stepper", "", 0, 1, 0, "L(22)", "0: a DAC drives the valve. 1: a stepper does."),
-    scalar!(MAX_STEPS, "max_steps", "steps", 1, COMMAND_MAX, 40, "L(20)", "Furthest location of a stepper from mid-travel."),
-    scalar!(DEAD_ZONE_COUNTS, "dead_zone_counts", "counts", 0, COMMAND_MAX, 102, "", "Moore's law adds it in the direction of the error: what takes the spool across its dead zone (0.05 mm)."),
-    scalar!(RELAY_HYSTERESIS_COUNTS, "relay_hysteresis_counts", "counts", 0, COUNT_MAX, 0, "", "The relay of the on-off law drops out this much below dead_band_counts, at which it picks up."),
-    scalar!(PRESSURE_FEEDBACK_GAIN, "pressure_feedback_gain", "", 0, GAIN_MAX, 775, "C(68)", "Gain of the on-off law on the raw quasi-transient pressure difference."),
-    scalar!(TOLERANCE_COUNTS, "tolerance_counts", "counts", 0, COUNT_MAX, 8, "", "A move has arrived inside this error."),
-    scalar!(MONITORING_US, "monitoring_us", "us", 0, TIME_MAX, 0, "", "Exact stop: time inside the tolerance after which a move has arrived. 0: fast stop, at the first sample inside."),
-    scalar!(DWELL_US, "dwell_us", "us", 0, TIME_MAX, 0, "", "From the arrival of a move to the next one, with on_arrival."),
-    scalar!(FORCED_EXIT_US, "forced_exit_us", "us", 1, TIME_MAX, 1_420_000, "C(31)", "A move ends after this time, arrived or not, with on_arrival."),
-    scalar!(ON_ARRIVAL, "on_arrival", "", 0, 1, 0, "L(11)", "0: moves begin at their times. 1: each also waits for the end of the one before."),
-    scalar!(LEARNING_GAIN, "learning_gain", "", 0, GAIN_MAX, 0, "8.2.3", "How much of the error at rest goes into the null offset; 0: nothing is learned, 1: the thesis."),
-    scalar!(END_MIN_COUNTS, "end_min_counts", "counts", -COUNT_MAX, COUNT_MAX, 0, "", "Software end position: a closed loop refuses lower setpoints, an open loop pushes no further."),
-    scalar!(END_MAX_COUNTS, "end_max_counts", "counts", -COUNT_MAX, COUNT_MAX, 24_896, "", "The other software end position."),
-    scalar!(SENSOR_LOW_RAW, "sensor_low_raw", "", -1, RAW_MAX, 63, "", "A pressure at or below it is that of an open sensor and trips; -1: off."),
-    scalar!(SENSOR_HIGH_RAW, "sensor_high_raw", "", 1, RAW_MAX, 4032, "", "A pressure at or above it is that of a shorted sensor and trips; 32767: off."),
-    scalar!(SENSOR_SAMPLES, "sensor_samples", "samples", 1, 10_000, 4, "", "Samples on end that a pressure must stay there to trip."),
-    scalar!(NO_MOTION_MS, "no_motion_ms", "ms", 0, HOUR_MS, 500, "", "A closed loop that opens half of the valve or more and moves nothing for so long trips; with less of the valve it takes longer; 0: off."),
-    scalar!(HOMING_SWITCH, "homing_switch", "", 0, 1, 0, "", "A homing run ends 0: at a stop, 1: at the edge of a switch."),
-    scalar!(HOMING_COMMAND_COUNTS, "homing_command_counts", "counts", -COMMAND_MAX, COMMAND_MAX, -200, "", "Valve command towards the stop or the switch; not 0."),
-    scalar!(HOMING_POSITION_COUNTS, "homing_position_counts", "counts", -COUNT_MAX, COUNT_MAX, 0, "", "The position there."),
-    scalar!(HOMING_STILL_MS, "homing_still_ms", "ms", 1, HOUR_MS, 500, "", "Standing still for so long is being at the stop."),
-    scalar!(HOMING_TIMEOUT_MS, "homing_timeout_ms", "ms", 1, HOUR_MS, 10_000, "", "A longer homing run trips."),
-    scalar!(PULSE_WIDTH_US, "pulse_width_us", "us", 1, 1000, 10, "", "Length of a stepper's pulse."),
-    scalar!(DIRECTION_SETUP_US, "direction_setup_us", "us", 1, 1000, 10, "", "A stepper's direction stands so long before the pulse."),
-    scalar!(NO_MOTION_COUNTS, "no_motion_counts", "counts", 0, COUNT_MAX, 40, "", "So far from where it stood an axis has moved, for no_motion_ms and homing_still_ms: a stop gives way a little, and dither shakes."),
-    scalar!(HOLD_MS, "hold_ms", "ms", 0, HOUR_MS, 60_000, "", "An enabled drive that stands, armed or holding its last setpoint, is disarmed this long after its host has gone."),
-    scalar!(LATE_OUTPUT_US, "late_output_us", "us", 1, 100_000, 100, "", "An output that comes later than this behind its time is not driven and trips the supervisor."),
-    scalar!(HOMING_BACK_OFF_COUNTS, "homing_back_off_counts", "counts", 1, COUNT_MAX, 400, "", "A homing run goes so far back from where it has found its stop or switch, and must find it again at the same place."),
-    scalar!(VELOCITY_FEED_FORWARD, "velocity_feed_forward", "", 0, GAIN_MAX, 0, "", "Gain on the setpoint's own counts per velocity window while a profile moves it; 0: off."),
-    scalar!(ACCELERATION_FEED_FORWARD, "acceleration_feed_forward", "", 0, GAIN_MAX, 0, "", "Gain on the setpoint's own counts per velocity and acceleration window while a profile moves it; 0: off."),
-    scalar!(ENCODER_MODEL, "encoder_model", "", 0, 2, 0, "", "0: quadrature. 1: potentiometer. 2: SSI. The last two need no homing."),
-    scalar!(ENCODER_ZERO_COUNTS, "encoder_zero_counts", "counts", -COUNT_MAX, COUNT_MAX, 0, "", "The position at count 0 of an absolute encoder."),
-    scalar!(PRESSURE_SENSORS, "pressure_sensors", "", 0, 1, 1, "", "1: both pressures are measured. 0: none is; their inputs trip nothing and are recorded as 0."),
-    scalar!(PRESSURE_DAMPING_GAIN, "pressure_damping_gain", "", 0, GAIN_MAX, 0, "9.1.2", "Gain of the laws but the on-off one on the raw quasi-transient pressure difference; 0: off."),
-    scalar!(INPUT_DEBOUNCE_MS, "input_debounce_ms", "ms", 1, SECOND_MS, 10, "", "Digital inputs count once all of them have been the same for so long."),
-    scalar!(INPUT_SETTLING_MS, "input_settling_ms", "ms", 1, SECOND_MS, 20, "", "A start begins its record once start and number have stayed for so long behind it."),
-    Parameter {
-        id: id::GAIN_PROFILE, name: "gain_profile", len: PROFILE_LEN as u16, unit: "", min: 0, max: GAIN_MAX,
-        default: 256, thesis: "Kp(0)..Kp(255)",
-        meaning: "Gain on the error; entry i holds from i to i + 1 spans, the last one beyond.",
-    },
-];
+const IN_ORDER: [Parameter; SCALARS + 1] = {
+    let mut table = [GAIN_PROFILE; SCALARS + 1];
+    let mut line = 0;
+    while line < SCALARS {
+        table[LINES[line].id as usize - 1] = LINES[line];
+        line += 1;
+    }
+    table
+};
+
+/// All parameters, scalars in the order of their ids (id - 1 is the place), then the gain profile.
+pub static TABLE: [Parameter; SCALARS + 1] = IN_ORDER;
+
+/// What a board needs of a line.
+#[derive(Clone, Copy)]
+struct Range {
+    min: i32,
+    max: i32,
+    default: i32,
+}
+
+/// In the order of the table.
+static RANGES: [Range; SCALARS + 1] = {
+    let mut ranges = [Range { min: 0, max: 0, default: 0 }; SCALARS + 1];
+    let mut place = 0;
+    while place <= SCALARS {
+        let Parameter { min, max, default, .. } = IN_ORDER[place];
+        ranges[place] = Range { min, max, default };
+        place += 1;
+    }
+    ranges
+};
 
 /// Appendix IX: the first entries of the default gain profile; the rest is 256.
-const DEFAULT_PROFILE: [u16; 11] = [8192, 6144, 4096, 2048, 1280, 768, 512, 384, 320, 288, 256];
-
-const SCALARS: usize = TABLE.len() - 1;
+pub const DEFAULT_PROFILE: [u16; 11] = [8192, 6144, 4096, 2048, 1280, 768, 512, 384, 320, 288, 256];
 
 /// Why a value was not taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -224,6 +199,15 @@ pub fn lookup(id: u16) -> Option<&'static Parameter> {
     }
 }
 
+/// The line of an id, for constants.
+///
+/// # Panics
+/// When there is none: the constant is not made then.
+#[must_use]
+pub const fn line(id: u16) -> Parameter {
+    if id == id::GAIN_PROFILE { GAIN_PROFILE } else { IN_ORDER[id as usize - 1] }
+}
+
 /// The line of the table with a name.
 #[must_use]
 pub fn by_name(name: &str) -> Option<&'static Parameter> {
@@ -241,14 +225,21 @@ pub struct Parameters {
 impl Default for Parameters {
     fn default() -> Self {
         let mut scalars = [0; SCALARS];
-        for (value, parameter) in scalars.iter_mut().zip(&TABLE) {
-            *value = parameter.default;
+        for (value, range) in scalars.iter_mut().zip(&RANGES) {
+            *value = range.default;
         }
         let mut gain_profile = [256; PROFILE_LEN];
         for (gain, default) in gain_profile.iter_mut().zip(DEFAULT_PROFILE) {
             *gain = default;
         }
         Parameters { scalars, gain_profile }
+    }
+}
+
+fn range(id: u16) -> Option<&'static Range> {
+    match place(id) {
+        Place::Scalar(index) => RANGES[..SCALARS].get(index),
+        Place::Profile(index) => RANGES.last().filter(|_| index < PROFILE_LEN),
     }
 }
 
@@ -280,8 +271,8 @@ impl Parameters {
     /// # Errors
     /// For an unknown id, and for a value outside the range in the table; nothing is changed then.
     pub fn set(&mut self, id: u16, value: i32) -> Result<(), SetError> {
-        let parameter = lookup(id).ok_or(SetError::UnknownId)?;
-        if value < parameter.min || value > parameter.max {
+        let range = range(id).ok_or(SetError::UnknownId)?;
+        if value < range.min || value > range.max {
             return Err(SetError::OutOfRange);
         }
         match place(id) {
@@ -299,7 +290,13 @@ impl Parameters {
     /// The position at count 0 of the encoder, if that is absolute.
     #[must_use]
     pub fn absolute_zero(&self) -> Option<i32> {
-        (self.scalar(id::ENCODER_MODEL) != 0).then(|| self.scalar(id::ENCODER_ZERO_COUNTS))
+        let encoder = EncoderKind::of(self.scalar(id::ENCODER_MODEL));
+        encoder.is_absolute().then(|| self.scalar(id::ENCODER_ZERO_COUNTS))
+    }
+
+    /// The law that is chosen.
+    pub(crate) fn law(&self) -> Law {
+        Law::of(self.scalar(id::LAW))
     }
 
     /// The value of a scalar the table holds: 0 for an id that it does not.
@@ -309,7 +306,8 @@ impl Parameters {
 
     /// All (id, value) pairs in the order of the table: the form in which they are stored.
     pub fn iter(&self) -> impl Iterator<Item = (u16, i32)> + '_ {
-        TABLE.iter().flat_map(|p| p.id..p.id + p.len).map(|id| (id, self.scalar(id)))
+        let profile = id::GAIN_PROFILE..id::GAIN_PROFILE + PROFILE_LEN as u16;
+        (1..=SCALARS as u16).chain(profile).map(|id| (id, self.scalar(id)))
     }
 }
 
@@ -332,6 +330,22 @@ mod tests {
             assert!(TABLE[..index].iter().all(|other| other.name != parameter.name), "{}", parameter.name);
             assert!((parameter.min..=parameter.max).contains(&parameter.default), "{}", parameter.name);
             assert!(parameter.meaning.ends_with('.'), "{}", parameter.name);
+        }
+    }
+
+    #[test]
+    fn a_choice_has_as_many_values_as_words_and_a_key_of_the_same_unit_the_same_name() {
+        for parameter in &TABLE {
+            let Some(RigKey { path, form }) = parameter.key else { continue };
+            match form {
+                Form::Words(words) => {
+                    assert_eq!((parameter.min, parameter.max), (0, words.len() as i32 - 1), "{path}");
+                }
+                Form::Whole if ["controller.", "safety."].iter().any(|table| path.starts_with(table)) => {
+                    assert_eq!(path.split_once('.').map(|(_, name)| name), Some(parameter.name));
+                }
+                Form::Whole | Form::Scaled(_) => {}
+            }
         }
     }
 

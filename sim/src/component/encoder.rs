@@ -15,11 +15,12 @@
 
 use std::f64::consts::{PI, TAU};
 
+pub use pneudrive_controller::choice::EncoderKind;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 
 use crate::component::actuator;
-use crate::key::{Kind, Preset, keys, words};
+use crate::key::{Kind, Preset, keys};
 use crate::random::normal;
 use crate::values::{Findings, Rig};
 
@@ -35,28 +36,8 @@ const STREAM: u64 = 1;
 /// So many standard deviations are never seen.
 const NEVER: f64 = 10.0;
 
-words! {
-    /// How the position is measured.
-    pub enum Model {
-        /// Edges are counted, from wherever the axis stands.
-        Quadrature = "quadrature",
-        /// A potentiometer on a converter.
-        Potentiometer = "potentiometer",
-        /// An absolute encoder with a synchronous serial interface.
-        Ssi = "ssi",
-    }
-}
-
-impl Model {
-    /// Whether it knows the position from the start.
-    #[must_use]
-    pub fn is_absolute(self) -> bool {
-        self != Model::Quadrature
-    }
-}
-
 keys! {
-    MODEL: Model = choice("encoder.model", "", "quadrature counts edges, and the axis must be homed. potentiometer, on a converter, and ssi, an encoder with a synchronous serial interface, are absolute: the axis is homed when the drive starts.");
+    MODEL: EncoderKind = choice("encoder.model", "", "quadrature counts edges, and the axis must be homed. potentiometer, on a converter, and ssi, an encoder with a synchronous serial interface, are absolute: the axis is homed when the drive starts.");
     MM_PER_COUNT: f64 = number("encoder.mm_per_count", 0.01205, 1e-6, 2.0, "C(42)", "Stroke per encoder count.").of(&["quadrature", "ssi"]);
     POLARITY: i64 = integer("encoder.polarity", 1, -1, 1, "", "-1: the encoder counts down when the rod extends (a matter of wiring; the twin always counts up).");
     BITS: Option<i64> = other("encoder.bits", Kind::Integer { min: 8, max: MAX_BITS }, Preset::Absent("12 of a potentiometer, 24 with SSI"), "", "Width of the potentiometer's converter, or of the encoder's word.").of(&["potentiometer", "ssi"]);
@@ -80,8 +61,8 @@ pub fn pulse(rig: &Rig) -> f64 {
 #[must_use]
 pub fn mm_per_count(rig: &Rig) -> f64 {
     match rig.get(&keys::MODEL) {
-        Model::Quadrature | Model::Ssi => rig.get(&keys::MM_PER_COUNT),
-        Model::Potentiometer => range_mm(rig) / largest_count(rig),
+        EncoderKind::Quadrature | EncoderKind::Ssi => rig.get(&keys::MM_PER_COUNT),
+        EncoderKind::Potentiometer => range_mm(rig) / largest_count(rig),
     }
 }
 
@@ -90,9 +71,9 @@ pub fn mm_per_count(rig: &Rig) -> f64 {
 #[must_use]
 pub fn middle(rig: &Rig, count: f64) -> f64 {
     match rig.get(&keys::MODEL) {
-        Model::Quadrature => count + 0.5,
-        Model::Potentiometer => count + zero_between(rig),
-        Model::Ssi => count + zero_between(rig) + 0.5,
+        EncoderKind::Quadrature => count + 0.5,
+        EncoderKind::Potentiometer => count + zero_between(rig),
+        EncoderKind::Ssi => count + zero_between(rig) + 0.5,
     }
 }
 
@@ -100,9 +81,9 @@ pub fn middle(rig: &Rig, count: f64) -> f64 {
 #[must_use]
 pub fn count_at(rig: &Rig, position: f64) -> f64 {
     match rig.get(&keys::MODEL) {
-        Model::Quadrature => position.floor(),
-        Model::Potentiometer => (position - zero_between(rig) + 0.5).floor(),
-        Model::Ssi => (position - zero_between(rig)).floor(),
+        EncoderKind::Quadrature => position.floor(),
+        EncoderKind::Potentiometer => (position - zero_between(rig) + 0.5).floor(),
+        EncoderKind::Ssi => (position - zero_between(rig)).floor(),
     }
 }
 
@@ -115,7 +96,7 @@ fn zero_between(rig: &Rig) -> f64 {
 #[must_use]
 pub fn zero_counts(rig: &Rig) -> i32 {
     match rig.get(&keys::MODEL) {
-        Model::Quadrature => 0,
+        EncoderKind::Quadrature => 0,
         _ => (rig.get(&keys::ZERO_MM) / mm_per_count(rig)).round() as i32,
     }
 }
@@ -123,7 +104,7 @@ pub fn zero_counts(rig: &Rig) -> i32 {
 /// How far noise may shift a reading, counts.
 pub(crate) fn noise_band(rig: &Rig) -> f64 {
     match rig.get(&keys::MODEL) {
-        Model::Quadrature => 0.0,
+        EncoderKind::Quadrature => 0.0,
         _ => (NEVER * rig.get(&keys::NOISE_COUNTS)).ceil(),
     }
 }
@@ -136,7 +117,7 @@ fn range_mm(rig: &Rig) -> f64 {
 /// Width of the converter or of the word.
 #[must_use]
 pub fn bits(rig: &Rig) -> i64 {
-    let usual = if rig.get(&keys::MODEL) == Model::Potentiometer { 12 } else { 24 };
+    let usual = if rig.get(&keys::MODEL) == EncoderKind::Potentiometer { 12 } else { 24 };
     rig.get(&keys::BITS).unwrap_or(usual).clamp(1, MAX_BITS)
 }
 
@@ -218,7 +199,7 @@ impl Encoder {
                 range,
                 deviation: range * 1e-2 * rig.get(&keys::LINEARITY_PERCENT),
                 largest: largest_count(rig),
-                rounding: if model == Model::Potentiometer { 0.5 } else { 1e-9 },
+                rounding: if model == EncoderKind::Potentiometer { 0.5 } else { 1e-9 },
                 noise_counts: rig.get(&keys::NOISE_COUNTS),
                 random,
             }

@@ -1,14 +1,35 @@
-//! From a rig's keys to the parameters of the controller, in its integers.
+//! From a rig's keys to the parameters of the controller, in its integers: most by a key of their own, which its line in the
+//! controller's table names, the others computed here from several.
 
 use pneudrive_controller::Parameters;
-use pneudrive_controller::parameters::id;
+use pneudrive_controller::parameters::{Form, RigKey, TABLE, id};
 
-use crate::component::controller::{Homing, Law, Loop};
-use crate::component::encoder::{self, Model as Encoder, pulse};
+use crate::component::controller::{Law, Loop};
+use crate::component::encoder::{self, pulse};
 use crate::component::operator::Model;
-use crate::key::Typed;
+use crate::key::Key;
 use crate::keys;
-use crate::values::Rig;
+use crate::values::{Rig, Value};
+
+/// Keys of which parameters are computed that have none of their own.
+pub static OF_SEVERAL: [&Key; 16] = [
+    &keys::actuator::STROKE_M.key,
+    &keys::controller::LEARN_NULL_OFFSET.key,
+    &keys::controller::LEARNING_GAIN.key,
+    &keys::controller::PRESSURE_FEEDBACK_GAIN.key,
+    &keys::encoder::BITS.key,
+    &keys::encoder::NOISE_COUNTS.key,
+    &keys::encoder::RANGE_MM.key,
+    &keys::encoder::ZERO_MM.key,
+    &keys::exhaust::PRESSURE_PA.key,
+    &keys::operator::MODEL.key,
+    &keys::safety::END_MAX_MM.key,
+    &keys::safety::END_MIN_MM.key,
+    &keys::safety::MAX_SPEED_M_S.key,
+    &keys::safety::POSITION_MARGIN_MM.key,
+    &keys::safety::SENSOR_WATCH.key,
+    &keys::supply::PRESSURE_PA.key,
+];
 
 /// A reading closer to an end of the converter than this part of its range is not a pressure.
 const OPEN_SENSOR: i32 = 64;
@@ -34,38 +55,36 @@ impl Rig {
     }
 
     fn parameter_values(&self) -> Vec<(u16, i32)> {
-        let mut values = self.of_law();
+        let mut values: Vec<(u16, i32)> =
+            TABLE.iter().filter_map(|line| Some((line.id, self.of_key(line.key?)?))).collect();
+        values.extend(self.of_law());
         values.extend(self.of_supervisor());
         values.extend(self.of_board());
-        values.extend(self.of_moves());
         values.extend(self.gain_profile().into_iter().zip(id::GAIN_PROFILE..).map(|(gain, id)| (id, gain)));
         values
     }
 
+    /// The parameter's value of a key that sets it by itself.
+    fn of_key(&self, key: RigKey) -> Option<i32> {
+        match (key.form, self.value(key.path)?) {
+            (Form::Whole, Value::Integer(value)) => Some(i32::try_from(*value).unwrap_or(i32::MAX)),
+            (Form::Whole, Value::Number(value)) => Some(value.round() as i32),
+            (Form::Scaled(digits), Value::Number(value)) => {
+                Some((value * f64::from(10_u32.pow(digits))).round() as i32)
+            }
+            (Form::Words(words), value) => {
+                let text = value.to_string();
+                words.iter().position(|word| *word == text.trim_matches('"')).map(|place| place as i32)
+            }
+            _ => None,
+        }
+    }
+
     fn of_law(&self) -> Vec<(u16, i32)> {
         use keys::controller as key;
-        let mut values = vec![
-            (id::PERIOD_US, self.microseconds(&key::PERIOD_S) as i32),
-            (id::DELAY_US, self.microseconds(&key::DELAY_S) as i32),
-            (id::OPEN_LOOP, i32::from(self.get(&key::LOOP) == Loop::Open)),
-            (id::LAW, number_of(self.get(&key::LAW))),
-            (id::PROFILE_SPAN_COUNTS, self.whole(&key::PROFILE_SPAN_COUNTS)),
-            (id::PROPORTIONAL_GAIN, self.whole(&key::PROPORTIONAL_GAIN)),
-            (id::VELOCITY_GAIN, self.whole(&key::VELOCITY_GAIN)),
-            (id::ACCELERATION_GAIN, self.whole(&key::ACCELERATION_GAIN)),
-            (id::VELOCITY_FEED_FORWARD, self.whole(&key::VELOCITY_FEED_FORWARD)),
-            (id::ACCELERATION_FEED_FORWARD, self.whole(&key::ACCELERATION_FEED_FORWARD)),
-            (id::VELOCITY_WINDOW_SAMPLES, self.whole(&key::VELOCITY_WINDOW_SAMPLES)),
-            (id::ACCELERATION_WINDOW_SAMPLES, self.whole(&key::ACCELERATION_WINDOW_SAMPLES)),
-            (id::VELOCITY_DEAD_BAND, self.whole(&key::VELOCITY_DEAD_BAND)),
-            (id::DEAD_BAND_COUNTS, self.whole(&key::DEAD_BAND_COUNTS)),
-            (id::SCALE, self.whole(&key::SCALE)),
-            (id::NULL_OFFSET_COUNTS, self.whole(&key::NULL_OFFSET_COUNTS)),
-            (id::DEAD_ZONE_COUNTS, self.whole(&key::DEAD_ZONE_COUNTS)),
-            (id::RELAY_HYSTERESIS_COUNTS, self.whole(&key::RELAY_HYSTERESIS_COUNTS)),
-        ];
+        let mut values = vec![(id::TOLERANCE_COUNTS, self.tolerance_counts())];
         if self.get(&key::LEARN_NULL_OFFSET) {
-            values.push((id::LEARNING_GAIN, self.whole(&key::LEARNING_GAIN)));
+            values.push((id::LEARNING_GAIN, self.get(&key::LEARNING_GAIN) as i32));
         }
         values.push(match self.get(&key::LAW) {
             Law::OnOff => (id::PRESSURE_FEEDBACK_GAIN, self.pressure_feedback_gain()),
@@ -85,13 +104,6 @@ impl Rig {
             (id::POSITION_MIN_COUNTS, counts(-margin)),
             (id::POSITION_MAX_COUNTS, counts(self.get(&keys::actuator::STROKE_M) + margin)),
             (id::ENCODER_STEP_COUNTS, (step / pulse_m + encoder::noise_band(self)).ceil() as i32),
-            (id::LATE_SAMPLE_US, self.whole(&key::LATE_SAMPLE_US)),
-            (id::LATE_OUTPUT_US, self.whole(&key::LATE_OUTPUT_US)),
-            (id::HOST_SILENCE_MS, self.scaled(&key::HOST_SILENCE_S, 1e3)),
-            (id::HOLD_MS, self.scaled(&key::HOLD_S, 1e3)),
-            (id::NO_MOTION_MS, self.scaled(&key::NO_MOTION_S, 1e3)),
-            (id::INPUT_DEBOUNCE_MS, self.scaled(&key::INPUT_DEBOUNCE_S, 1e3)),
-            (id::INPUT_SETTLING_MS, self.scaled(&key::INPUT_SETTLING_S, 1e3)),
             (id::SENSOR_LOW_RAW, low),
             (id::SENSOR_HIGH_RAW, high),
         ];
@@ -121,49 +133,12 @@ impl Rig {
         ends.map(|(id, end, otherwise)| (id, self.get(end).map_or(otherwise, |mm| counts(mm * 1e-3))))
     }
 
-    fn of_board(&self) -> Vec<(u16, i32)> {
-        use keys::{sensors, stepper};
-        vec![
-            (id::ENCODER_INVERTED, i32::from(self.get(&keys::encoder::POLARITY) < 0)),
+    fn of_board(&self) -> [(u16, i32); 3] {
+        [
             (id::ENCODER_PM_PER_COUNT, (encoder::mm_per_count(self) * 1e9).round() as i32),
-            (id::ENCODER_MODEL, number_of_encoder(self.get(&keys::encoder::MODEL))),
             (id::ENCODER_ZERO_COUNTS, encoder::zero_counts(self)),
-            (id::PRESSURE_SENSORS, i32::from(self.get(&sensors::PRESSURE))),
-            (id::SENSOR_BITS, self.whole(&sensors::BITS)),
-            (id::PRESSURE_MIN_PA, self.scaled(&sensors::PRESSURE_MIN_PA, 1.0)),
-            (id::PRESSURE_MAX_PA, self.scaled(&sensors::PRESSURE_MAX_PA, 1.0)),
-            (id::SPOOL_MIN_NM, self.scaled(&sensors::SPOOL_MIN_MM, 1e6)),
-            (id::SPOOL_MAX_NM, self.scaled(&sensors::SPOOL_MAX_MM, 1e6)),
             (id::STEPPER, i32::from(self.get(&keys::operator::MODEL) == Model::Stepper)),
-            (id::MAX_STEPS, self.whole(&stepper::MAX_STEPS)),
-            (id::PULSE_WIDTH_US, self.whole(&stepper::PULSE_WIDTH_US)),
-            (id::DIRECTION_SETUP_US, self.whole(&stepper::DIRECTION_SETUP_US)),
         ]
-    }
-
-    fn of_moves(&self) -> Vec<(u16, i32)> {
-        use keys::controller as key;
-        vec![
-            (id::TOLERANCE_COUNTS, self.tolerance_counts()),
-            (id::MONITORING_US, self.scaled(&key::MONITORING_S, 1e6)),
-            (id::DWELL_US, self.scaled(&key::DWELL_S, 1e6)),
-            (id::FORCED_EXIT_US, self.scaled(&key::FORCED_EXIT_S, 1e6)),
-            (id::ON_ARRIVAL, i32::from(self.get(&key::EXIT_ON_DEAD_BAND))),
-            (id::HOMING_SWITCH, i32::from(self.get(&key::HOMING) == Homing::Switch)),
-            (id::HOMING_COMMAND_COUNTS, self.whole(&key::HOMING_COMMAND_COUNTS)),
-            (id::HOMING_POSITION_COUNTS, self.whole(&key::HOMING_POSITION_COUNTS)),
-            (id::HOMING_BACK_OFF_COUNTS, self.whole(&key::HOMING_BACK_OFF_COUNTS)),
-            (id::HOMING_STILL_MS, self.scaled(&key::HOMING_STILL_S, 1e3)),
-            (id::HOMING_TIMEOUT_MS, self.scaled(&key::HOMING_TIMEOUT_S, 1e3)),
-        ]
-    }
-
-    fn whole(&self, key: &Typed<i64>) -> i32 {
-        i32::try_from(self.get(key)).unwrap_or(i32::MAX)
-    }
-
-    fn scaled(&self, key: &Typed<f64>, factor: f64) -> i32 {
-        (self.get(key) * factor).round() as i32
     }
 
     /// An error inside the tolerance is less than the dead band, as the thesis compares it (8.2.3), where
@@ -210,24 +185,5 @@ impl Rig {
         let last = given.last().copied().unwrap_or(0);
         let entries = given.iter().copied().chain(std::iter::repeat(last));
         entries.take(256).map(|gain| gain as i32).collect()
-    }
-}
-
-/// The encoder as the controller's parameter has it.
-fn number_of_encoder(encoder: Encoder) -> i32 {
-    match encoder {
-        Encoder::Quadrature => 0,
-        Encoder::Potentiometer => 1,
-        Encoder::Ssi => 2,
-    }
-}
-
-/// The law as the controller's parameter has it.
-fn number_of(law: Law) -> i32 {
-    match law {
-        Law::GainProfile => 0,
-        Law::Proportional => 1,
-        Law::MooreProportional => 2,
-        Law::OnOff => 3,
     }
 }

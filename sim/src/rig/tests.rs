@@ -4,6 +4,7 @@ use super::*;
 use crate::component::tubing::Model;
 use crate::keys;
 use pneudrive_controller::Parameters;
+use pneudrive_controller::choice::Law;
 use pneudrive_controller::parameters::id;
 
 /// The problems of a file, a line each.
@@ -261,9 +262,9 @@ fn the_pressure_feedback_of_a_relay_is_counts_of_error_for_a_kpa() {
 
 #[test]
 fn every_law_is_the_controllers_of_its_name() {
-    for (number, law) in ["gain-profile", "proportional", "moore-proportional", "on-off"].iter().enumerate() {
-        let rig = read(&format!("[controller]\nlaw = \"{law}\"\n"));
-        assert_eq!(rig.parameters().get(id::LAW), Some(number as i32), "{law}");
+    for &law in Law::ALL {
+        let rig = read(&format!("[controller]\nlaw = \"{}\"\n", law.word()));
+        assert_eq!(rig.parameters().get(id::LAW), Some(law as i32), "{law:?}");
     }
 }
 

@@ -141,8 +141,8 @@ fn finer_encoder(rig: &Rig) -> Option<Vec<String>> {
     let wider = (bits <= encoder::MAX_BITS).then(|| format!("encoder.bits={bits}"));
     let shorter = times(rig, "encoder.mm_per_count", 0.25);
     match rig.get(&keys::encoder::MODEL) {
-        encoder::Model::Quadrature => Some(vec![shorter]),
-        encoder::Model::Potentiometer => Some(vec![wider?]),
-        encoder::Model::Ssi => Some(vec![shorter, wider?]),
+        encoder::EncoderKind::Quadrature => Some(vec![shorter]),
+        encoder::EncoderKind::Potentiometer => Some(vec![wider?]),
+        encoder::EncoderKind::Ssi => Some(vec![shorter, wider?]),
     }
 }

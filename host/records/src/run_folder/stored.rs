@@ -4,8 +4,7 @@ use std::path::Path;
 
 use anyhow::{Context, Result, anyhow, bail};
 use pneudrive_sim::component::controller::Loop;
-use pneudrive_sim::component::encoder::{Model, mm_per_count};
-use pneudrive_sim::key::Choice;
+use pneudrive_sim::component::encoder::{EncoderKind, mm_per_count};
 use pneudrive_sim::keys;
 use pneudrive_sim::trace::{COLUMNS, Extra, to_csv};
 use pneudrive_sim::{Accuracy, Method, Rig, Run};
@@ -255,7 +254,7 @@ fn check_rows(folder: &Path, description: &serde_json::Value, rows: usize) -> Re
 /// mm per count: the key, but of a potentiometer, which has none, what was made of its range and converter.
 fn scale_of(json_path: &Path, description: &serde_json::Value) -> Result<f64> {
     let above_0 = |mm: f64| (mm > 0.0).then_some(mm);
-    if description["keys"]["encoder.model"] != Model::Potentiometer.word() {
+    if description["keys"]["encoder.model"] != EncoderKind::Potentiometer.word() {
         return of_key(json_path, description, SCALE, above_0, MORE_THAN_0);
     }
     let value = &description["mm_per_count"];

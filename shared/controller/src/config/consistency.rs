@@ -14,19 +14,18 @@
 //! | the law's gain on pressures, `pressure_sensors` | no gain without sensors |
 
 use super::{ConfigError, NONE_IS_HIGH};
+use crate::choice::Law;
 use crate::parameters::{Parameters, id};
 
 /// An open sensor trips within this time, microseconds.
 const SENSOR_WATCH_US: i64 = 1_000_000;
 
-/// The value of the law that is a relay.
-const ON_OFF: i32 = 3;
-
 /// The gain of the law in force on pressures.
 pub(super) fn pressure_gain(parameters: &Parameters) -> u16 {
-    let on_off = parameters.scalar(id::LAW) == ON_OFF;
-    let gain = if on_off { id::PRESSURE_FEEDBACK_GAIN } else { id::PRESSURE_DAMPING_GAIN };
-    parameters.scalar(gain) as u16
+    parameters.scalar(match parameters.law() {
+        Law::OnOff => id::PRESSURE_FEEDBACK_GAIN,
+        _ => id::PRESSURE_DAMPING_GAIN,
+    }) as u16
 }
 
 /// The first rule that does not hold.

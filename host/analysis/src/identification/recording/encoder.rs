@@ -1,6 +1,6 @@
 //! The position as a channel.
 
-use pneudrive_sim::component::encoder::Model;
+use pneudrive_sim::component::encoder::EncoderKind;
 use pneudrive_sim::{Rig, keys};
 
 use super::{Channel, GOLDEN, HALF_WIDTH, Rest};
@@ -22,9 +22,9 @@ pub(super) fn channel(
     rig: &Rig,
 ) -> Channel {
     let between = match rig.get(&keys::encoder::MODEL) {
-        Model::Quadrature => return counted(measured, pulse),
-        Model::Potentiometer => 0.0,
-        Model::Ssi => 0.5 * pulse,
+        EncoderKind::Quadrature => return counted(measured, pulse),
+        EncoderKind::Potentiometer => 0.0,
+        EncoderKind::Ssi => 0.5 * pulse,
     };
     let zero = 1e-3 * rig.get(&keys::encoder::ZERO_MM) / pulse;
     let offset = between + (zero - zero.round()) * pulse;

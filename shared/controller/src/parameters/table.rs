@@ -1,0 +1,99 @@
+//! The lines of the table: a parameter is one of them.
+//!
+//! ```text
+//! id CONSTANT "name" "unit" [smallest, largest, default] (key) "name in the thesis" "What it is." [only Law Law];
+//! ```
+//!
+//! The section is the table of a rig file that has the keys of its parameters. What stands for `key`:
+//!
+//! | key | in a rig file |
+//! |---|---|
+//! | `(Whole)` | a whole number, under the parameter's own name |
+//! | `(KEY "name" Scaled(3))` | a number in a unit 10^3 times as large: s for ms; the constant of its key |
+//! | `(KEY "name" Switch)`, `(Words(Law))` | true or false; the words of a type, in the order of their values |
+//! | `("table.name" ...)` | section `components`: a key that a component of the drive declares, with ranges of its own |
+//! | `()` | section `device`: none; it is computed from several keys, or set on the device alone |
+//!
+//! `only` names the laws that use a parameter. Ids are stored and sent: they never change and are never used again.
+
+/// Hands the lines of the table to a macro: the controller makes [`TABLE`](crate::parameters::TABLE) of them, the
+/// simulator its keys of rig files.
+#[macro_export]
+macro_rules! parameter_table {
+    ($take:ident) => {
+        $take! {
+            controller {
+                 4 LAW "law" "" [0, LAW_MAX, 0] (Words(Law)) "L(22), L(8)" "How the position error becomes a demand. The variable dead band gain of 6.3.3 has no equation there; dead_band_counts, or zeros at the head of gain_profile, give a fixed one.";
+                 3 OPEN_LOOP "open_loop" "" [0, 1, 0] (LOOP "loop" Words(Loop)) "L(3)" "Open: moves are valve commands, nothing is fed back.";
+                 1 PERIOD_US "period_us" "us" [100, 100_000, 1300] (PERIOD_S "period_s" Scaled(6)) "C(41)" "Sample period; whole microseconds.";
+                 2 DELAY_US "delay_us" "us" [1, 99_999, 500] (DELAY_S "delay_s" Scaled(6)) "C(26)" "From a sample to its output; whole microseconds, less than the period.";
+                 5 PROFILE_SPAN_COUNTS "profile_span_counts" "counts" [1, 65_535, 4] (Whole) "L(67)" "Range of error that one entry of the gain profile covers.";
+                 6 PROPORTIONAL_GAIN "proportional_gain" "" [0, GAIN_MAX, 1] (Whole) "C(21)" "Gain of the laws without a profile.";
+                31 DEAD_ZONE_COUNTS "dead_zone_counts" "counts" [0, COMMAND_MAX, 102] (Whole) "" "Moore's law adds it in the direction of the error: what takes the spool across its dead zone. 102 for the DAC, 4 steps for the stepper: 0.05 mm, half of the hysteresis C(29).";
+                 7 VELOCITY_GAIN "velocity_gain" "" [0, GAIN_MAX, 1] (Whole) "C(43)" "Gain on counts per velocity window; the thesis's 1 gives no damping, about 1000 does.";
+                 8 ACCELERATION_GAIN "acceleration_gain" "" [0, GAIN_MAX, 1] (Whole) "C(44)" "Gain on counts per velocity and acceleration window.";
+                57 VELOCITY_FEED_FORWARD "velocity_feed_forward" "" [0, GAIN_MAX, 0] (Whole) "" "Gain on the setpoint's own counts per velocity window while a profile moves it; as much as velocity_gain takes the damping off that motion.";
+                58 ACCELERATION_FEED_FORWARD "acceleration_feed_forward" "" [0, GAIN_MAX, 0] (Whole) "" "Gain on the setpoint's own counts per velocity and acceleration window while a profile moves it.";
+                 9 VELOCITY_WINDOW_SAMPLES "velocity_window_samples" "samples" [1, WINDOW_MAX, 5] (Whole) "L(52)" "Samples over which the velocity is a difference of counts.";
+                10 ACCELERATION_WINDOW_SAMPLES "acceleration_window_samples" "samples" [1, WINDOW_MAX, 3] (Whole) "L(77)" "Samples over which the acceleration is a difference of velocities.";
+                11 VELOCITY_DEAD_BAND "velocity_dead_band" "counts/window" [0, COUNT_MAX, 0] (Whole) "C(45)" "Velocities below it, in counts per velocity window, count as standstill; 0: off.";
+                13 SCALE "scale" "" [1, COUNT_MAX, 256] (Whole) "L(68)" "The law's sum is divided by it: 256 for the DAC, 65536 for the stepper.";
+                12 DEAD_BAND_COUNTS "dead_band_counts" "counts" [0, COUNT_MAX, 0] (Whole) "C(27)" "Errors below it ask for nothing; 0: off. For the on-off law the dead zone of its relay.";
+                32 RELAY_HYSTERESIS_COUNTS "relay_hysteresis_counts" "counts" [0, COUNT_MAX, 0] (Whole) "" "The relay of the on-off law drops out this much below dead_band_counts, at which it picks up.";
+                14 NULL_OFFSET_COUNTS "null_offset_counts" "counts" [-COMMAND_MAX, COMMAND_MAX, 0] (Whole) "8.2.3" "Command at which the valve is at its null; added to the demand.";
+                37 FORCED_EXIT_US "forced_exit_us" "us" [1000, TIME_MAX, 1_420_000] (FORCED_EXIT_S "forced_exit_s" Scaled(6)) "C(31)" "Time for each of test.targets.";
+                38 ON_ARRIVAL "on_arrival" "" [0, 1, 0] (EXIT_ON_DEAD_BAND "exit_on_dead_band" Switch) "L(11)" "Whether a target also ends when it has arrived: tolerance_counts, monitoring_s, dwell_s; with test.targets.";
+                34 TOLERANCE_COUNTS "tolerance_counts" "counts" [0, COUNT_MAX, 8] (Whole) "C(27)" "A move has arrived inside this error; without it that of dead_band_counts, if there is one.";
+                35 MONITORING_US "monitoring_us" "us" [0, TIME_MAX, 0] (MONITORING_S "monitoring_s" Scaled(6)) "" "Exact stop: time inside the tolerance after which a move has arrived. 0: fast stop, at the first sample inside.";
+                36 DWELL_US "dwell_us" "us" [0, TIME_MAX, 0] (DWELL_S "dwell_s" Scaled(6)) "" "From the arrival at a target to the next one.";
+                46 HOMING_SWITCH "homing_switch" "" [0, 1, 0] (HOMING "homing" Words(HomingKind)) "" "Where a homing run ends: against a stop, or at the edge of a switch.";
+                47 HOMING_COMMAND_COUNTS "homing_command_counts" "counts" [-COMMAND_MAX, COMMAND_MAX, -200] (Whole) "" "Valve command of the homing run, not 0; its sign is the direction. -200 for the DAC, -4 for the stepper.";
+                48 HOMING_POSITION_COUNTS "homing_position_counts" "counts" [-COUNT_MAX, COUNT_MAX, 0] (Whole) "" "The position where the homing run ends.";
+                56 HOMING_BACK_OFF_COUNTS "homing_back_off_counts" "counts" [1, COUNT_MAX, 400] (Whole) "" "A homing run goes so far back from where it has found its stop or switch, and must find it again at the same place.";
+                49 HOMING_STILL_MS "homing_still_ms" "ms" [1, HOUR_MS, 500] (HOMING_STILL_S "homing_still_s" Scaled(3)) "" "Standing still for so long is being at the stop.";
+                50 HOMING_TIMEOUT_MS "homing_timeout_ms" "ms" [1, HOUR_MS, 10_000] (HOMING_TIMEOUT_S "homing_timeout_s" Scaled(3)) "" "A longer homing run trips.";
+            }
+            safety {
+                19 HOST_SILENCE_MS "host_silence_ms" "ms" [0, HOUR_MS, 500] (HOST_SILENCE_S "host_silence_s" Scaled(3)) "" "Silence of the host that trips a running move or homing run; 0: off.";
+                54 HOLD_MS "hold_ms" "ms" [0, HOUR_MS, 60_000] (HOLD_S "hold_s" Scaled(3)) "" "Time after the loss of its host at which an enabled drive that is armed or holds its last setpoint is disarmed.";
+                63 INPUT_DEBOUNCE_MS "input_debounce_ms" "ms" [1, SECOND_MS, 10] (INPUT_DEBOUNCE_S "input_debounce_s" Scaled(3)) "" "Digital inputs count once all of them have been the same for so long.";
+                64 INPUT_SETTLING_MS "input_settling_ms" "ms" [1, SECOND_MS, 20] (INPUT_SETTLING_S "input_settling_s" Scaled(3)) "" "A start begins its record once start and number have stayed for so long behind it.";
+                45 NO_MOTION_MS "no_motion_ms" "ms" [0, HOUR_MS, 500] (NO_MOTION_S "no_motion_s" Scaled(3)) "" "A closed loop that opens half of the valve or more and moves nothing for so long trips; with less of the valve it takes longer; 0: off.";
+                55 LATE_OUTPUT_US "late_output_us" "us" [1, 100_000, 100] (Whole) "" "An output that is later than this is not driven and trips the supervisor; less than the time from it to the next sample, by default at most half of it.";
+                18 LATE_SAMPLE_US "late_sample_us" "us" [1, 100_000, 100] (Whole) "" "A sample later than this trips the supervisor; less than the period, by default at most half of it.";
+            }
+            components {
+                22 ENCODER_INVERTED "encoder_inverted" "" [0, 1, 0] ("encoder.polarity" Polarity) "" "1: the encoder counts down when the rod extends.";
+                23 ENCODER_PM_PER_COUNT "encoder_pm_per_count" "pm" [1, i32::MAX, 12_050_000] ("encoder.mm_per_count" Scaled(9)) "C(42)" "Stroke per encoder count.";
+                24 SENSOR_BITS "sensor_bits" "bits" [8, 15, 12] ("sensors.bits" Whole) "" "Width of the converter of the pressure and spool sensors.";
+                25 PRESSURE_MIN_PA "pressure_min_pa" "Pa" [0, i32::MAX, 0] ("sensors.pressure_min_pa" Whole) "" "Absolute pressure at raw 0.";
+                26 PRESSURE_MAX_PA "pressure_max_pa" "Pa" [1, i32::MAX, 1_000_000] ("sensors.pressure_max_pa" Whole) "" "Absolute pressure at full scale.";
+                27 SPOOL_MIN_NM "spool_min_nm" "nm" [i32::MIN, i32::MAX, -1_250_000] ("sensors.spool_min_mm" Scaled(6)) "" "Spool displacement at raw 0.";
+                28 SPOOL_MAX_NM "spool_max_nm" "nm" [i32::MIN, i32::MAX, 1_250_000] ("sensors.spool_max_mm" Scaled(6)) "" "Spool displacement at full scale.";
+                30 MAX_STEPS "max_steps" "steps" [1, COMMAND_MAX, 40] ("operator.max_steps" Whole) "L(20)" "Furthest location of a stepper from mid-travel.";
+                51 PULSE_WIDTH_US "pulse_width_us" "us" [1, 1000, 10] ("operator.pulse_width_us" Whole) "" "Length of a stepper's pulse.";
+                52 DIRECTION_SETUP_US "direction_setup_us" "us" [1, 1000, 10] ("operator.direction_setup_us" Whole) "" "A stepper's direction stands so long before the pulse.";
+                59 ENCODER_MODEL "encoder_model" "" [0, ENCODER_MAX, 0] ("encoder.model" Words(EncoderKind)) "" "0: quadrature. 1: potentiometer. 2: SSI. The last two need no homing.";
+                61 PRESSURE_SENSORS "pressure_sensors" "" [0, 1, 1] ("sensors.pressure" Switch) "" "1: both pressures are measured. 0: none is; their inputs trip nothing and are recorded as 0.";
+            }
+            device {
+                15 POSITION_MIN_COUNTS "position_min_counts" "counts" [-COUNT_MAX, COUNT_MAX, -249] () "" "Below it the supervisor trips.";
+                16 POSITION_MAX_COUNTS "position_max_counts" "counts" [-COUNT_MAX, COUNT_MAX, 25_145] () "" "Above it the supervisor trips.";
+                17 ENCODER_STEP_COUNTS "encoder_step_counts" "counts" [1, COUNT_MAX, 540] () "" "A longer step in one sample trips the supervisor.";
+                20 NULL_CODE "null_code" "" [0, CODE_MAX, 2048] () "" "Code of the converter at which the valve is at its null.";
+                21 OUTPUT_INVERTED "output_inverted" "" [0, 1, 0] () "" "1: a larger code retracts.";
+                29 STEPPER "stepper" "" [0, 1, 0] () "L(22)" "0: a DAC drives the valve. 1: a stepper does.";
+                33 PRESSURE_FEEDBACK_GAIN "pressure_feedback_gain" "" [0, GAIN_MAX, 775] () "C(68)" "Gain of the on-off law on the raw quasi-transient pressure difference.";
+                39 LEARNING_GAIN "learning_gain" "" [0, GAIN_MAX, 0] () "8.2.3" "How much of the error at rest goes into the null offset; 0: nothing is learned, 1: the thesis.";
+                40 END_MIN_COUNTS "end_min_counts" "counts" [-COUNT_MAX, COUNT_MAX, 0] () "" "Software end position: a closed loop refuses lower setpoints, an open loop pushes no further.";
+                41 END_MAX_COUNTS "end_max_counts" "counts" [-COUNT_MAX, COUNT_MAX, 24_896] () "" "The other software end position.";
+                42 SENSOR_LOW_RAW "sensor_low_raw" "" [-1, RAW_MAX, 63] () "" "A pressure at or below it is that of an open sensor and trips; -1: off.";
+                43 SENSOR_HIGH_RAW "sensor_high_raw" "" [1, RAW_MAX, 4032] () "" "A pressure at or above it is that of a shorted sensor and trips; 32767: off.";
+                44 SENSOR_SAMPLES "sensor_samples" "samples" [1, 10_000, 4] () "" "Samples on end that a pressure must stay there to trip.";
+                53 NO_MOTION_COUNTS "no_motion_counts" "counts" [0, COUNT_MAX, 40] () "" "So far from where it stood an axis has moved, for no_motion_ms and homing_still_ms: a stop gives way a little, and dither shakes.";
+                60 ENCODER_ZERO_COUNTS "encoder_zero_counts" "counts" [-COUNT_MAX, COUNT_MAX, 0] () "" "The position at count 0 of an absolute encoder.";
+                62 PRESSURE_DAMPING_GAIN "pressure_damping_gain" "" [0, GAIN_MAX, 0] () "9.1.2" "Gain of the laws but the on-off one on the raw quasi-transient pressure difference; 0: off.";
+            }
+        }
+    };
+}
