@@ -20,7 +20,7 @@
 //! ```
 
 use pneudrive_controller::Config;
-use pneudrive_controller::law::{Law, LawConfig, Loop};
+use pneudrive_controller::law::{LawConfig, Loop, Settings, gain_profile};
 
 use crate::component::controller;
 use crate::component::encoder::pulse;
@@ -92,7 +92,14 @@ impl ContinuousLaw {
     }
 
     fn last_index(&self) -> usize {
-        self.law.gain_profile.len() - 1
+        self.profile().map_or(0, |profile| profile.gains.len() - 1)
+    }
+
+    fn profile(&self) -> Option<&gain_profile::Settings> {
+        match &self.law.settings {
+            Settings::GainProfile(profile) => Some(profile),
+            _ => None,
+        }
     }
 
     /// n_p.
@@ -101,7 +108,8 @@ impl ContinuousLaw {
     }
 
     fn spans(&self, position: f64) -> f64 {
-        self.error(position).abs() / f64::from(self.law.profile_span.get())
+        self.error(position).abs()
+            / self.profile().map_or(f64::INFINITY, |profile| f64::from(profile.span.get()))
     }
 
     /// The command in DAC counts, -2048 to 2048, for the motion in SI.
@@ -131,10 +139,11 @@ impl ContinuousLaw {
 
     /// Kp n_p - Kv n_v - Ka n_a, or its rate from the rates of n_p, y' and y''.
     fn sum(&self, error: f64, velocity: f64, acceleration: f64) -> f64 {
-        let gain = match self.law.kind {
-            Law::GainProfile => self.law.gain_profile[self.index],
-            // A checked rig has no relay and no dead zone here.
-            Law::Proportional | Law::MooreProportional | Law::OnOff => self.law.proportional_gain,
+        let gain = match &self.law.settings {
+            Settings::GainProfile(profile) => profile.gains[self.index],
+            Settings::Proportional(law) => law.gain,
+            // A checked rig has no other law here.
+            _ => 0,
         };
         let n_v = velocity * self.velocity_window / self.pulse;
         let n_a = acceleration * self.velocity_window * self.acceleration_window / self.pulse;

@@ -19,7 +19,7 @@
 use std::num::NonZeroU32;
 
 use pneudrive_controller::drive::DriveConfig;
-use pneudrive_controller::law::LawConfig;
+use pneudrive_controller::law::{LawConfig, Settings};
 use pneudrive_controller::{Command, Config, Mode, Observation};
 
 use crate::component::controller::{self, Law, Loop};
@@ -156,15 +156,16 @@ impl GainBug {
 
     /// `Kp[i]`.
     fn gain(&self, error: i32) -> u16 {
-        let profile = &self.law.gain_profile;
-        match self.law.kind {
-            Law::GainProfile => {
-                let index = (error.unsigned_abs() / self.law.profile_span) as usize;
-                let last = profile.len() - 1;
-                profile[if self.reading == Reading::LastGain && error < 0 { last } else { index.min(last) }]
+        match &self.law.settings {
+            Settings::GainProfile(profile) => {
+                let index = (error.unsigned_abs() / profile.span) as usize;
+                let last = profile.gains.len() - 1;
+                profile.gains
+                    [if self.reading == Reading::LastGain && error < 0 { last } else { index.min(last) }]
             }
+            Settings::Proportional(law) => law.gain,
             // A checked rig has no other law here.
-            _ => self.law.proportional_gain,
+            _ => 0,
         }
     }
 

@@ -60,6 +60,8 @@ macro_rules! law_words {
     };
 }
 
+pub(crate) use laws;
+
 laws!(law_words);
 
 words! {

@@ -13,7 +13,7 @@ use crate::choice::HomingKind;
 use crate::drive::{DacConfig, DriveConfig, MAX_COUNTS, Translator};
 use crate::estimator::EstimatorConfig;
 use crate::homing::HomingConfig;
-use crate::law::{Law, LawConfig, Loop};
+use crate::law::{self, LawConfig, Loop, Settings};
 use crate::limits::{Limits, NULL_DRIFT, NULL_SAMPLES, NoMotion};
 use crate::parameters::{Parameters, id};
 use crate::sequencer::{FeedForward, MotionConfig};
@@ -67,7 +67,6 @@ impl Default for Config {
     fn default() -> Self {
         const PERIOD_US: NonZeroU32 = NonZeroU32::new(1300).unwrap();
         const DELAY_US: NonZeroU32 = NonZeroU32::new(500).unwrap();
-        const PROFILE_SPAN: NonZeroU32 = NonZeroU32::new(4).unwrap();
         const SCALE: NonZeroU32 = NonZeroU32::new(256).unwrap();
         Config {
             timing: Timing {
@@ -83,21 +82,16 @@ impl Default for Config {
             estimator: EstimatorConfig { velocity_window: 5, acceleration_window: 3 },
             law: LawConfig {
                 control_loop: Loop::Closed,
-                kind: Law::GainProfile,
-                gain_profile: Parameters::default().gain_profile,
-                profile_span: PROFILE_SPAN,
-                proportional_gain: 1,
+                settings: Settings::of(&Parameters::default()),
                 velocity_gain: 1,
                 acceleration_gain: 1,
                 velocity_dead_band: None,
                 dead_band: 0,
-                dead_zone: 102,
-                relay_hysteresis: 0,
                 pressure_gain: 0,
-                by_pressures: false,
                 scale: SCALE,
                 null_offset: 0,
                 learning_gain: 0,
+                largest: MAX_COUNTS,
             },
             motion: MotionConfig {
                 on_arrival: false,
@@ -169,7 +163,7 @@ impl Config {
                 velocity_window: unsigned(id::VELOCITY_WINDOW_SAMPLES) as u8,
                 acceleration_window: unsigned(id::ACCELERATION_WINDOW_SAMPLES) as u8,
             },
-            law: law(parameters, &divisor)?,
+            law: law(parameters, divisor(id::SCALE)?, drive.largest()),
             motion: motion(parameters, period_us),
             homing: homing(parameters, period_us),
             limits: limits(parameters, period_us, drive.largest()),
@@ -187,31 +181,21 @@ fn has_pressure_sensors(parameters: &Parameters) -> bool {
     parameters.scalar(id::PRESSURE_SENSORS) != 0
 }
 
-fn law(
-    parameters: &Parameters,
-    divisor: &impl Fn(u16) -> Result<NonZeroU32, ConfigError>,
-) -> Result<LawConfig, ConfigError> {
+fn law(parameters: &Parameters, scale: NonZeroU32, largest: i16) -> LawConfig {
     let unsigned = |id| parameters.scalar(id).unsigned_abs();
-    let kind = parameters.law();
-    let pressure_gain = consistency::pressure_gain(parameters);
-    Ok(LawConfig {
+    LawConfig {
         control_loop: Loop::of(parameters.scalar(id::OPEN_LOOP)),
-        kind,
-        gain_profile: parameters.gain_profile,
-        profile_span: divisor(id::PROFILE_SPAN_COUNTS)?,
-        proportional_gain: unsigned(id::PROPORTIONAL_GAIN) as u16,
+        settings: Settings::of(parameters),
         velocity_gain: unsigned(id::VELOCITY_GAIN) as u16,
         acceleration_gain: unsigned(id::ACCELERATION_GAIN) as u16,
         velocity_dead_band: NonZeroU32::new(unsigned(id::VELOCITY_DEAD_BAND)),
         dead_band: unsigned(id::DEAD_BAND_COUNTS),
-        dead_zone: unsigned(id::DEAD_ZONE_COUNTS) as u16,
-        relay_hysteresis: unsigned(id::RELAY_HYSTERESIS_COUNTS),
-        pressure_gain,
-        by_pressures: kind == Law::OnOff || pressure_gain != 0,
-        scale: divisor(id::SCALE)?,
+        pressure_gain: law::pressure_gain(parameters),
+        scale,
         null_offset: parameters.scalar(id::NULL_OFFSET_COUNTS) as i16,
         learning_gain: unsigned(id::LEARNING_GAIN) as u16,
-    })
+        largest,
+    }
 }
 
 /// Whole samples in a time.
@@ -344,7 +328,6 @@ mod tests {
             (id::VELOCITY_DEAD_BAND, 5),
             (id::DEAD_BAND_COUNTS, 6),
             (id::NULL_OFFSET_COUNTS, -7),
-            (id::PROFILE_SPAN_COUNTS, 8),
             (id::OUTPUT_INVERTED, 1),
             (id::ENCODER_INVERTED, 1),
             (id::LATE_SAMPLE_US, 9),
@@ -354,18 +337,33 @@ mod tests {
             (id::LATE_OUTPUT_US, 13),
         ])
         .expect("they go together");
-        assert_eq!((config.law.control_loop, config.law.kind), (Loop::Open, Law::Proportional));
+        let proportional = law::proportional::Settings { gain: 2 };
         assert_eq!(
-            (config.law.proportional_gain, config.law.velocity_gain, config.law.acceleration_gain),
-            (2, 3, 4)
+            (config.law.control_loop, config.law.settings),
+            (Loop::Open, Settings::Proportional(proportional))
         );
+        assert_eq!((config.law.velocity_gain, config.law.acceleration_gain), (3, 4));
         assert_eq!((config.law.velocity_dead_band, config.law.dead_band), (NonZeroU32::new(5), 6));
-        assert_eq!((config.law.null_offset, config.law.profile_span.get()), (-7, 8));
+        assert_eq!(config.law.null_offset, -7);
         assert!(config.encoder_inverted);
         assert_eq!(config.drive, DriveConfig::Dac(DacConfig { null_code: 2048, inverted: true }));
         assert_eq!((config.timing.late_sample_us, config.timing.host_silence_ms), (9, 10));
         assert_eq!((config.limits.encoder_step, config.timing.hold_ms), (11, 12));
         assert_eq!(config.timing.latest_output_us, 513);
+    }
+
+    #[test]
+    fn a_law_has_constants_of_its_own() {
+        let settings = |changes: &[(u16, i32)]| with(changes).map(|config| config.law.settings);
+        let Ok(Settings::GainProfile(profile)) = settings(&[(id::PROFILE_SPAN_COUNTS, 8)]) else {
+            panic!("the default law")
+        };
+        assert_eq!((profile.gains[0], profile.span.get()), (8192, 8));
+        let moore = [(id::LAW, 2), (id::PROPORTIONAL_GAIN, 3), (id::DEAD_ZONE_COUNTS, 4)];
+        let expected = law::moore_proportional::Settings { gain: 3, dead_zone: 4 };
+        assert_eq!(settings(&moore), Ok(Settings::MooreProportional(expected)));
+        let relay = [(id::LAW, 3), (id::PROPORTIONAL_GAIN, 5), (id::RELAY_HYSTERESIS_COUNTS, 6)];
+        assert_eq!(settings(&relay), Ok(Settings::OnOff(law::on_off::Settings { gain: 5, hysteresis: 6 })));
     }
 
     #[test]

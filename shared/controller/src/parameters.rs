@@ -294,11 +294,6 @@ impl Parameters {
         encoder.is_absolute().then(|| self.scalar(id::ENCODER_ZERO_COUNTS))
     }
 
-    /// The law that is chosen.
-    pub(crate) fn law(&self) -> Law {
-        Law::of(self.scalar(id::LAW))
-    }
-
     /// The value of a scalar the table holds: 0 for an id that it does not.
     pub(crate) fn scalar(&self, id: u16) -> i32 {
         self.get(id).unwrap_or(0)

@@ -3,6 +3,7 @@
 mod bench;
 
 use bench::{at, wide_open};
+use pneudrive_controller::law::Settings;
 use pneudrive_controller::parameters::id;
 use pneudrive_controller::profile::{Noise, Ramp, Wave};
 use pneudrive_controller::sequencer::Arrival;
@@ -234,7 +235,8 @@ fn feed_forward_with_the_feedback_gains_leaves_nothing_of_an_even_motion() {
         position = run.state.observation().setpoint;
         // The axis is a sample late: 10 counts of error, and 5 samples of window at 10 counts each.
         if k > 20 {
-            let profile = run.config.law.gain_profile[2];
+            let Settings::GainProfile(law) = &run.config.law.settings else { panic!("the thesis's law") };
+            let profile = law.gains[2];
             assert_eq!(i32::from(run.state.observation().command), 10 * i32::from(profile) / 256, "{k}");
         }
         position = position.min(10 * k);

@@ -14,19 +14,11 @@
 //! | the law's gain on pressures, `pressure_sensors` | no gain without sensors |
 
 use super::{ConfigError, NONE_IS_HIGH};
-use crate::choice::Law;
+use crate::law::pressure_gain;
 use crate::parameters::{Parameters, id};
 
 /// An open sensor trips within this time, microseconds.
 const SENSOR_WATCH_US: i64 = 1_000_000;
-
-/// The gain of the law in force on pressures.
-pub(super) fn pressure_gain(parameters: &Parameters) -> u16 {
-    parameters.scalar(match parameters.law() {
-        Law::OnOff => id::PRESSURE_FEEDBACK_GAIN,
-        _ => id::PRESSURE_DAMPING_GAIN,
-    }) as u16
-}
 
 /// The first rule that does not hold.
 ///

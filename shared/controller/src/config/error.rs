@@ -29,7 +29,7 @@ pub enum ConfigError {
     PulseTooLong,
     /// Without pressure sensors the gain of the law on pressures must be 0.
     NothingToFeedBack,
-    /// A divisor (`period_us`, `delay_us`, `profile_span_counts`, `scale`) is not positive.
+    /// A divisor (`period_us`, `delay_us`, `scale`) is not positive.
     DivisorNotPositive,
 }
 
@@ -61,9 +61,7 @@ impl ConfigError {
             ConfigError::NothingToFeedBack => {
                 "pressure_feedback_gain (on-off law) or pressure_damping_gain (other laws) must be 0 where pressure_sensors is 0"
             }
-            ConfigError::DivisorNotPositive => {
-                "period_us, delay_us, profile_span_counts and scale must be positive"
-            }
+            ConfigError::DivisorNotPositive => "period_us, delay_us and scale must be positive",
         }
     }
 }

@@ -1,0 +1,183 @@
+//! The stages of a sample in their order: estimate, setpoint, watch, law, supervise; then, `delay` later, the drive stage.
+
+use crate::config::Config;
+use crate::drive::DriveConfig;
+use crate::estimator::Motion;
+use crate::fault::Fault;
+use crate::homing::Progress;
+use crate::law::{self, Loop, Measured, Reference};
+use crate::limits::Evidence;
+use crate::sequence::Sequence;
+use crate::signal::{Command, Observation, Sample};
+use crate::state::State;
+use crate::supervisor::Mode;
+
+/// The first interrupt: takes the sensor sample of instant k and decides the command that
+/// [`output`] will drive `delay` later.
+///
+/// Before the first sample after a start the drive stood where that one found it: velocity and
+/// acceleration of a drive at rest are zero from the first sample on.
+pub fn sample(config: &Config, sequence: &Sequence, state: &mut State, input: &Sample) {
+    let motion = state.estimate(config, input);
+    let target = state.target(config, sequence, motion.position);
+    state.watch(config, input, &motion);
+    let demand = state.demand(config, &target, &motion, input);
+    let command = state.supervisor.permit(&config.law, config.limits.command(demand));
+    let Target { running, setpoint, error } = target;
+    state.observation = Observation { running, setpoint, error, command, ..state.observation };
+}
+
+/// Where the drive shall be at a sample.
+struct Target {
+    running: bool,
+    setpoint: i32,
+    error: i32,
+}
+
+/// The stages of [`sample`], in their order. What was seen goes into the observation at once; what the
+/// sample before was made into stands there until it is replaced.
+impl State {
+    fn estimate(&mut self, config: &Config, input: &Sample) -> Motion {
+        self.encoder = input.position;
+        let position = input.position.wrapping_sub(self.origin);
+        let motion = self.estimator.update(&config.estimator, position);
+        self.observation = Observation {
+            position,
+            velocity: motion.velocity,
+            acceleration: motion.acceleration,
+            pressure_1: input.pressure_1,
+            pressure_2: input.pressure_2,
+            spool: match config.drive {
+                DriveConfig::Dac(_) => input.spool,
+                DriveConfig::Stepper { .. } => self.spool.counted().steps(),
+            },
+            ..self.observation
+        };
+        motion
+    }
+
+    fn target(&mut self, config: &Config, sequence: &Sequence, position: i32) -> Target {
+        let was_running = self.supervisor.mode() == Mode::Running;
+        let over = was_running && self.sequencer.is_over(&config.motion, sequence);
+        let running = was_running && !over;
+        let rested = if over {
+            self.supervisor.finish();
+            self.sequencer.stand();
+            self.sequencer.close()
+        } else if running {
+            self.observation.index = self.sequencer.taken();
+            self.sequencer.advance(&config.motion, sequence, position)
+        } else {
+            false
+        };
+        if rested {
+            self.learn_null(&config.law);
+        }
+        let setpoint = self.sequencer.setpoint();
+        let error = law::error(&config.law, setpoint, position);
+        if running {
+            self.sequencer.judge(&config.motion, error);
+        }
+        Target { running, setpoint, error }
+    }
+
+    fn watch(&mut self, config: &Config, input: &Sample, motion: &Motion) {
+        let holds_or_runs = matches!(self.supervisor.mode(), Mode::Running | Mode::Done);
+        let from_null = if holds_or_runs && config.law.control_loop == Loop::Closed {
+            i32::from(self.observation.command).abs_diff(i32::from(config.law.null_offset))
+        } else {
+            0
+        };
+        let evidence = Evidence { motion, input, referenced: self.supervisor.is_referenced(), from_null };
+        self.supervisor.watch(&config.limits, &evidence);
+    }
+
+    fn demand(&mut self, config: &Config, target: &Target, motion: &Motion, input: &Sample) -> i32 {
+        if !matches!(self.supervisor.mode(), Mode::Running | Mode::Done) {
+            return self.demand_without_moves(config, motion.position, input.home_switch);
+        }
+        if config.law.control_loop == Loop::Open {
+            return self.demand_in_open_loop(config, target.setpoint, motion.position);
+        }
+        let reference = Reference { error: target.error, feed_forward: self.sequencer.feed_forward() };
+        let measured = Measured { motion, input, learned: self.null_offset.counts() };
+        let demand = self.law.demand(&config.law, measured, reference);
+        if config.motion.on_arrival && target.running && self.sequencer.is_at_exit(&config.motion) {
+            self.demand_at_exit(config)
+        } else {
+            demand
+        }
+    }
+
+    /// Without moves the valve is at its null, but for a homing run.
+    #[cold]
+    #[inline(never)]
+    fn demand_without_moves(&mut self, config: &Config, position: i32, home_switch: bool) -> i32 {
+        match self.supervisor.mode() {
+            Mode::Homing => self.seek(config, position, home_switch),
+            Mode::Armed => self.stand(config, position),
+            _ => 0,
+        }
+    }
+
+    /// An enabled drive whose valve is at its null.
+    fn stand(&mut self, config: &Config, position: i32) -> i32 {
+        self.supervisor.watch_null(&config.limits, position, self.spool_is_open(config));
+        0
+    }
+
+    fn demand_in_open_loop(&mut self, config: &Config, demand: i32, position: i32) -> i32 {
+        match self.supervisor.mode() {
+            Mode::Done => self.stand(config, position),
+            _ if self.supervisor.is_referenced() => config.limits.hold_back(demand, position),
+            _ => demand,
+        }
+    }
+
+    /// At an exit (thesis 6.3.2) the valve of a closed loop stays as it is, and a stepper gets no pulse.
+    #[cold]
+    fn demand_at_exit(&self, config: &Config) -> i32 {
+        i32::from(match config.drive {
+            DriveConfig::Dac(_) => self.observation.command,
+            DriveConfig::Stepper { .. } => self.spool.counted().steps(),
+        })
+    }
+
+    /// A sample of the homing run.
+    fn seek(&mut self, config: &Config, position: i32, home_switch: bool) -> i32 {
+        let from_null = i32::from(self.observation.command).abs_diff(i32::from(config.law.null_offset));
+        let effort = config.limits.no_motion.effort(from_null).unwrap_or(0);
+        if self.homing.pushed_for(&config.homing, position, effort) > config.limits.no_motion.most {
+            self.supervisor.trip(Fault::NoMotion);
+            return 0;
+        }
+        match self.homing.advance(&config.homing, position, home_switch) {
+            Progress::Seeking(command) => return i32::from(command),
+            Progress::Found => {
+                self.set_origin(config.homing.position);
+                self.supervisor.homed();
+            }
+            Progress::TimedOut => self.supervisor.trip(Fault::HomingFailed),
+        }
+        0
+    }
+}
+
+/// The second interrupt: what the drive stage does now, `delay` after the sample.
+///
+/// The supervisor is asked again, since requests come between the two calls: after a stop the output
+/// is disabled, after an arming it is null, whatever the sample was made into. A stepper then walks to
+/// mid-travel one pulse a sample; its translator stays enabled until the spool is there, for a spool
+/// left open would go on moving the cylinder. A spool whose location is in doubt gets no pulse.
+#[must_use]
+pub fn output(config: &Config, state: &mut State) -> Command {
+    let drives = state.supervisor.drives();
+    let counts = state.supervisor.permit(&config.law, state.observation.command);
+    match config.drive {
+        DriveConfig::Dac(_) => Command { counts, step: 0, drive_enable: drives },
+        DriveConfig::Stepper { .. } => {
+            let drive_enable = drives || state.spool.walks();
+            Command { counts, step: state.spool.step_toward(counts), drive_enable }
+        }
+    }
+}
