@@ -45,6 +45,7 @@ macro_rules! laws {
             "proportional" proportional::Proportional, "One gain (thesis C(21)).";
             "moore-proportional" moore_proportional::MooreProportional, "One gain, and a step across the dead zone of the valve.";
             "on-off" on_off::OnOff, "A relay: the valve is shut or wide open.";
+            "pid" pid::Pid, "PI-D on the position, with anti-windup.";
         }
     };
 }

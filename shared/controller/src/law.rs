@@ -11,6 +11,7 @@ mod feedback;
 pub mod gain_profile;
 pub mod moore_proportional;
 pub mod on_off;
+pub mod pid;
 pub mod proportional;
 
 use core::num::NonZeroU32;
