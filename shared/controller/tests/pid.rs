@@ -45,7 +45,8 @@ impl Model<'_> {
             let sum = fed_back + (integral / 256.0).trunc();
             (sum.clamp(f64::from(i32::MIN), f64::from(i32::MAX)) / scale).trunc() + null
         };
-        if !idle {
+        let band = self.get(id::INTEGRAL_BAND_COUNTS);
+        if !idle && (band == 0.0 || error.abs() <= band) {
             let end = 256.0 * scale * 2048.0;
             let next = (self.integral + self.get(id::INTEGRAL_GAIN) * error).clamp(-end, end);
             let asked = demand(next);
@@ -95,7 +96,7 @@ fn the_law_is_its_equation_over_the_ranges_of_error_and_gains() {
 #[test]
 fn the_law_is_its_equation_on_a_path_through_its_dead_band_and_its_limits() {
     let path = |swing: f64| (0..400).map(move |k| ((f64::from(k) / 20.0).sin() * swing) as i32);
-    for (dead_band, acceleration_gain) in [(0, 0), (5, 0), (40, 250)] {
+    for (dead_band, integral_band, acceleration_gain) in [(0, 0, 0), (5, 0, 0), (40, 0, 250), (0, 25, 0)] {
         for swing in [3.0, 30.0, 3000.0] {
             let changes = [
                 (id::PROPORTIONAL_GAIN, 900),
@@ -103,6 +104,7 @@ fn the_law_is_its_equation_on_a_path_through_its_dead_band_and_its_limits() {
                 (id::VELOCITY_GAIN, 1000),
                 (id::ACCELERATION_GAIN, acceleration_gain),
                 (id::DEAD_BAND_COUNTS, dead_band),
+                (id::INTEGRAL_BAND_COUNTS, integral_band),
             ];
             agree(&changes, 11, path(swing));
         }

@@ -9,7 +9,8 @@
 //!
 //! I stays as it is
 //!
-//! - while the demand is beyond the largest command in the direction of the error (the integrator is clamped), and
+//! - while the demand is beyond the largest command in the direction of the error (the integrator is clamped),
+//! - while the error is beyond the integral band, if there is one, and
 //! - inside the position dead band, where the demand is that of I alone: friction would make it hunt.
 //!
 //! | quantity | format | range |
@@ -34,6 +35,8 @@ pub struct Settings {
     pub gain: u16,
     /// Ki, 256ths a sample.
     pub integral_gain: u16,
+    /// Larger errors are not summed, counts; 0: all are.
+    pub integral_band: u32,
 }
 
 impl Settings {
@@ -41,6 +44,7 @@ impl Settings {
         Settings {
             gain: parameters.scalar(id::PROPORTIONAL_GAIN) as u16,
             integral_gain: parameters.scalar(id::INTEGRAL_GAIN) as u16,
+            integral_band: parameters.scalar(id::INTEGRAL_BAND_COUNTS).unsigned_abs(),
         }
     }
 }
@@ -82,7 +86,8 @@ impl ControlLaw for Pid {
         let demand = |integral: i64| {
             scaled(config, sum.unwrap_or(0) + integral / ONE).saturating_add(measured.null(config))
         };
-        if sum.is_some() {
+        let is_near = settings.integral_band == 0 || reference.error.unsigned_abs() <= settings.integral_band;
+        if sum.is_some() && is_near {
             let next = self.integrated(config, settings, reference.error);
             let asked = demand(next);
             let winds_up = asked.unsigned_abs() > u32::from(config.largest.unsigned_abs())

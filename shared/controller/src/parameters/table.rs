@@ -30,6 +30,7 @@ macro_rules! parameter_table {
                  5 PROFILE_SPAN_COUNTS "profile_span_counts" "counts" [1, 65_535, 4] (Whole) "L(67)" "Range of error that one entry of the gain profile covers.";
                  6 PROPORTIONAL_GAIN "proportional_gain" "" [0, GAIN_MAX, 1] (Whole) "C(21)" "Gain of the laws without a profile.";
                 65 INTEGRAL_GAIN "integral_gain" "" [0, GAIN_MAX, 0] (Whole) "" "Gain on the sum of the errors at the samples, in 256ths; 0: off." only Pid;
+                66 INTEGRAL_BAND_COUNTS "integral_band_counts" "counts" [0, COUNT_MAX, 0] (Whole) "" "Errors beyond it are not summed; 0: all are." only Pid;
                 31 DEAD_ZONE_COUNTS "dead_zone_counts" "counts" [0, COMMAND_MAX, 102] (Whole) "" "Moore's law adds it in the direction of the error: what takes the spool across its dead zone. 102 for the DAC, 4 steps for the stepper: 0.05 mm, half of the hysteresis C(29).";
                  7 VELOCITY_GAIN "velocity_gain" "" [0, GAIN_MAX, 1] (Whole) "C(43)" "Gain on counts per velocity window; the thesis's 1 gives no damping, about 1000 does.";
                  8 ACCELERATION_GAIN "acceleration_gain" "" [0, GAIN_MAX, 1] (Whole) "C(44)" "Gain on counts per velocity and acceleration window.";
