@@ -11,6 +11,7 @@ mod watched;
 use pneudrive_analysis::evaluation::LimitCycle;
 use pneudrive_analysis::transient::Transient;
 use pneudrive_sim::Rig;
+use pneudrive_sim::keys;
 use pneudrive_sim::rig::{Value, builtin, unit_interval};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -145,7 +146,7 @@ fn settings(rig: &Rig, random: &mut ChaCha8Rng) -> Vec<String> {
         .collect();
     settings.push(format!("load.mass_kg={:?}", by_ratio(0.5, 60.0)));
     settings.push(format!("supply.pressure_pa={:?}", by_ratio(3.5e5, 9e5)));
-    if let Some(Value::Integer(gain)) = rig.value("controller.velocity_gain") {
+    if let Some(Value::Integer(gain)) = rig.value(keys::controller::VELOCITY_GAIN.path) {
         settings.push(format!("controller.velocity_gain={}", (*gain as f64 * by_ratio(0.2, 2.0)) as i64));
     }
     let counts = [400, 2000, 6000][(by_ratio(1.0, std::f64::consts::E).ln() * 3.0) as usize % 3];

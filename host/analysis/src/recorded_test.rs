@@ -23,6 +23,7 @@ use pneudrive_records::target::TargetFile;
 use pneudrive_records::test_lines;
 use pneudrive_sim::Rig;
 use pneudrive_sim::component::encoder;
+use pneudrive_sim::keys;
 
 use crate::evaluation::refuse_other_rig;
 use crate::replay::parameters::Header;
@@ -152,11 +153,11 @@ fn gains(recorded: &Parameters, own: &Parameters) -> (Vec<String>, Vec<String>) 
 
 /// Keys that belong to moves which wait for arrival.
 const OF_ARRIVAL: [&str; 5] = [
-    "controller.exit_on_dead_band",
-    "controller.tolerance_counts",
-    "controller.monitoring_s",
-    "controller.dwell_s",
-    "controller.forced_exit_s",
+    keys::controller::EXIT_ON_DEAD_BAND.key.path,
+    keys::controller::TOLERANCE_COUNTS.key.path,
+    keys::controller::MONITORING_S.key.path,
+    keys::controller::DWELL_S.key.path,
+    keys::controller::FORCED_EXIT_S.key.path,
 ];
 
 fn from_end_of_run(run: &StoredRun, rig: &Rig) -> Result<Taken> {

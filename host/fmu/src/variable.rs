@@ -179,8 +179,8 @@ fn own_parameters(part: Part) -> Vec<Variable> {
 
 /// Keys under `controller` and `test` that belong to the plant: when commands take effect, and the state at the start.
 const OF_PLANT: [&str; 7] = [
-    "controller.delay_s",
-    "controller.start_s",
+    keys::controller::DELAY_S.key.path,
+    keys::controller::START_S.key.path,
     "test.position_m",
     "test.pressure_1_pa",
     "test.pressure_2_pa",

@@ -78,8 +78,12 @@ const OF_THE_TEST: [&str; 12] = [
 ];
 
 /// Keys that define the meaning of the moves: a rig with other values is refused.
-const OF_THE_MOVES: [&str; 4] =
-    ["controller.loop", "controller.period_s", "controller.exit_on_dead_band", "operator.model"];
+const OF_THE_MOVES: [&str; 4] = [
+    keys::controller::LOOP.key.path,
+    keys::controller::PERIOD_S.key.path,
+    keys::controller::EXIT_ON_DEAD_BAND.key.path,
+    keys::operator::MODEL.key.path,
+];
 
 /// Refuses a setting that has no effect on a rig instead of ignoring it.
 fn check_setting(setting: &str, with_parameters: bool) -> Result<()> {

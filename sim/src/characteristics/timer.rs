@@ -43,7 +43,7 @@ pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
 
 /// Whether a rig accepts a period of this many microseconds.
 fn takes(rig: &Rig, period_us: u64) -> bool {
-    rig.with_numbers(&[("controller.period_s", period_us as f64 / 1e6)]).is_ok()
+    rig.with_numbers(&[(keys::controller::PERIOD_S.path, period_us as f64 / 1e6)]).is_ok()
 }
 
 /// The shortest period that a rig takes, by bisection down from its own, microseconds.

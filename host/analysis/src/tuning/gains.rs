@@ -28,9 +28,9 @@ const ALIKE: f64 = 1.02;
 /// Most that a gain can be.
 const MAX_GAIN: f64 = 65_535.0;
 
-const PROFILE: &str = "controller.gain_profile";
-const SPAN: &str = "controller.profile_span_counts";
-const PROPORTIONAL: &str = "controller.proportional_gain";
+const PROFILE: &str = keys::controller::GAIN_PROFILE.key.path;
+const SPAN: &str = keys::controller::PROFILE_SPAN_COUNTS.key.path;
+const PROPORTIONAL: &str = keys::controller::PROPORTIONAL_GAIN.key.path;
 
 const DITHER: [&str; 2] = ["operator.dither_mm", "operator.dither_hz"];
 
@@ -87,15 +87,15 @@ impl Space {
         let dithers = !(is_held(DITHER[0]) && rig.get(&keys::dither::DITHER_MM) == 0.0);
         let variables = [
             (&design_variable::E_FAR, has_gain),
-            (&design_variable::T_D, !is_held("controller.velocity_gain")),
-            (&design_variable::T_A, !is_held("controller.acceleration_gain")),
+            (&design_variable::T_D, !is_held(keys::controller::VELOCITY_GAIN.path)),
+            (&design_variable::T_A, !is_held(keys::controller::ACCELERATION_GAIN.path)),
             (&design_variable::VELOCITY_WINDOW, !is_held(keys::controller::VELOCITY_WINDOW_SAMPLES.path)),
             (
                 &design_variable::ACCELERATION_WINDOW,
                 !is_held(keys::controller::ACCELERATION_WINDOW_SAMPLES.path),
             ),
-            (&design_variable::DEAD_BAND, !is_held("controller.dead_band_counts")),
-            (&design_variable::NULL_OFFSET, !is_held("controller.null_offset_counts")),
+            (&design_variable::DEAD_BAND, !is_held(keys::controller::DEAD_BAND_COUNTS.path)),
+            (&design_variable::NULL_OFFSET, !is_held(keys::controller::NULL_OFFSET_COUNTS.path)),
             (&design_variable::E_NEAR, has_profile && has_gain),
             (&design_variable::E_KNEE, has_profile && has_gain),
             (&design_variable::DITHER, has_dither && !is_held(DITHER[0])),
@@ -161,12 +161,12 @@ impl Space {
         let proportional = value(&design_variable::E_FAR).filter(|_| !self.has_profile());
         let [span, profile] = profile;
         let settings = [
-            ("controller.velocity_gain", kv),
-            ("controller.acceleration_gain", ka),
-            ("controller.velocity_window_samples", Some(windows[0].to_string())),
-            ("controller.acceleration_window_samples", Some(windows[1].to_string())),
-            ("controller.dead_band_counts", dead_band.map(|counts| counts.to_string())),
-            ("controller.null_offset_counts", null.map(|counts| counts.to_string())),
+            (keys::controller::VELOCITY_GAIN.path, kv),
+            (keys::controller::ACCELERATION_GAIN.path, ka),
+            (keys::controller::VELOCITY_WINDOW_SAMPLES.path, Some(windows[0].to_string())),
+            (keys::controller::ACCELERATION_WINDOW_SAMPLES.path, Some(windows[1].to_string())),
+            (keys::controller::DEAD_BAND_COUNTS.path, dead_band.map(|counts| counts.to_string())),
+            (keys::controller::NULL_OFFSET_COUNTS.path, null.map(|counts| counts.to_string())),
             (SPAN, span),
             (PROFILE, profile),
             (PROPORTIONAL, proportional.map(|_| gain(far.max(1.0)))),

@@ -130,7 +130,8 @@ fn of_load(rig: &Rig) -> Vec<Suspect> {
 }
 
 fn of_sampling(rig: &Rig) -> Vec<Suspect> {
-    let periods = ["controller.delay_s", "controller.period_s"].map(|key| times(rig, key, 0.25));
+    let periods =
+        [keys::controller::DELAY_S.path, keys::controller::PERIOD_S.path].map(|key| times(rig, key, 0.25));
     let finer = finer_encoder(rig).map(|settings| suspect("an encoder four times as fine", settings));
     finer.into_iter().chain([suspect("four times as many samples", periods.to_vec())]).collect()
 }

@@ -114,8 +114,8 @@ fn gains(trial: &Trial, tuned: &Tuned) -> Result<Vec<(Gains, Vec<String>)>> {
     let rig = trial.with(found)?;
     if !feeds_forward(&rig) {
         let as_feedback = [
-            ("controller.velocity_feed_forward", rig.get(&keys::controller::VELOCITY_GAIN)),
-            ("controller.acceleration_feed_forward", rig.get(&keys::controller::ACCELERATION_GAIN)),
+            (keys::controller::VELOCITY_FEED_FORWARD.path, rig.get(&keys::controller::VELOCITY_GAIN)),
+            (keys::controller::ACCELERATION_FEED_FORWARD.path, rig.get(&keys::controller::ACCELERATION_GAIN)),
         ];
         let more = as_feedback.map(|(key, gain)| format!("{key}={gain}"));
         all.push((Gains::FeedForward, found.iter().cloned().chain(more).collect()));

@@ -8,6 +8,7 @@ use pneudrive_analysis::sweep::execution::each_point;
 use pneudrive_analysis::sweep::metric::FIGURES;
 use pneudrive_analysis::sweep::{Row, Source, Sweep, numbers, report};
 use pneudrive_analysis::wanted::CALLED_OFF;
+use pneudrive_sim::keys;
 use pneudrive_sim::rig::{Kind, find_key};
 use serde::Deserialize;
 use serde_json::{Value, json};
@@ -174,7 +175,7 @@ fn refuse_long(sweep: &Sweep) -> Result<(), Refusal> {
         }
     };
     let longest_s = levels("test.duration_s", f64::INFINITY).into_iter().fold(0.0, f64::max);
-    let shortest_s = levels("controller.period_s", 0.0).into_iter().fold(f64::INFINITY, f64::min);
+    let shortest_s = levels(keys::controller::PERIOD_S.path, 0.0).into_iter().fold(f64::INFINITY, f64::min);
     let samples = (longest_s / shortest_s).floor();
     if samples > f64::from(MAX_SAMPLES) {
         return Err(Refusal::wrong(format!(

@@ -137,7 +137,7 @@ impl StoredRun {
             rig: description["rig"].as_str().unwrap_or("run").to_owned(),
             numbered: Numbered::of(description),
             mm_per_count,
-            open_loop: description["keys"]["controller.loop"] == OPEN,
+            open_loop: description["keys"][keys::controller::LOOP.path] == OPEN,
             windows,
             band: None,
             spacing: spacing_of(description),

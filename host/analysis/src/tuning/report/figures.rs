@@ -141,7 +141,7 @@ pub fn profile(trial: &Trial, tuned: &Tuned) -> Option<Figure> {
 
 /// Where each zone of a profile begins, mm, and its gain; None of a law without one.
 fn zones(rig: &Rig) -> Option<Vec<(f64, f64)>> {
-    let Some(Value::Integers(entries)) = rig.value("controller.gain_profile") else { return None };
+    let Some(Value::Integers(entries)) = rig.value(keys::controller::GAIN_PROFILE.path) else { return None };
     let span = rig.get(&keys::controller::PROFILE_SPAN_COUNTS) as f64 * mm_per_count(rig);
     let zones = entries.iter().enumerate().map(|(i, gain)| (i as f64 * span, *gain as f64));
     (rig.get(&keys::controller::LAW) == controller::Law::GainProfile).then(|| zones.collect())

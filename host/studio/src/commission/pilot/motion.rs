@@ -9,7 +9,8 @@ use pneudrive_protocol::{Mode, Status};
 use pneudrive_records::rig_info::RigParameters;
 use pneudrive_session::test_run::{refuse_what_it_would, wait_for_null};
 use pneudrive_sim::Rig;
-use pneudrive_sim::component::controller::{Loop, keys as controller};
+use pneudrive_sim::component::controller::Loop;
+use pneudrive_sim::keys;
 
 use super::{Pilot, REST_OF_STREAM};
 use crate::commission::live::Live;
@@ -34,7 +35,7 @@ enum Purpose {
 impl Pilot<'_> {
     /// The way of the drive to the start of a test; None in open loop.
     pub(super) fn way(&mut self, rig: &Rig) -> Result<Option<Way>> {
-        if rig.get(&controller::LOOP) == Loop::Open {
+        if rig.get(&keys::controller::LOOP) == Loop::Open {
             return Ok(None);
         }
         let status = self.look()?;
@@ -147,11 +148,11 @@ impl Pilot<'_> {
         }
         let (there, here) = (self.client.parameters()?, rig.parameters());
         for (id, what) in [
-            (id::OPEN_LOOP, "controller.loop"),
-            (id::PERIOD_US, "controller.period_s"),
-            (id::STEPPER, "operator.model"),
-            (id::ON_ARRIVAL, "controller.exit_on_dead_band"),
-            (id::ENCODER_PM_PER_COUNT, "encoder.mm_per_count"),
+            (id::OPEN_LOOP, keys::controller::LOOP.path),
+            (id::PERIOD_US, keys::controller::PERIOD_S.path),
+            (id::STEPPER, keys::operator::MODEL.path),
+            (id::ON_ARRIVAL, keys::controller::EXIT_ON_DEAD_BAND.path),
+            (id::ENCODER_PM_PER_COUNT, keys::encoder::MM_PER_COUNT.path),
         ] {
             if there.values.get(id) != here.get(id) {
                 bail!(
