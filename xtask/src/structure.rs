@@ -4,13 +4,16 @@
 //! siblings     one way: no circle between modules of the same parent, whatever their children use
 //! parent       gives its children types, constants and macros; no function of it is called from below
 //! crates       as the map of ARCHITECTURE.md has them: each uses only crates that stand above it there
+//! words        of laws and parameters are spelled in one place
 //! ```
 
 mod crates;
 mod graph;
 mod module;
 mod paths;
+mod vocabulary;
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use anyhow::{Result, bail};
@@ -25,24 +28,26 @@ use module::Modules;
 pub fn check(root: &Path) -> Result<()> {
     let (uses, workspaces) = crates::of_cargo(root)?;
     let mut broken = crates::broken(&Map::of_project(root)?, &uses, &workspaces);
+    let words = vocabulary::words(root)?;
     for folder in uses.keys() {
-        broken.extend(of_crate(&root.join(folder))?.into_iter().map(|text| format!("{folder}: {text}")));
+        broken.extend(of_crate(&root.join(folder), &words)?.into_iter().map(|text| format!("{folder}: {text}")));
     }
     if !broken.is_empty() {
-        bail!("{} arrows against the structure:\n{}", broken.len(), broken.join("\n"));
+        bail!("{} breaks of the structure:\n{}", broken.len(), broken.join("\n"));
     }
     Ok(())
 }
 
-/// What breaks a rule in the modules of a crate.
+/// What breaks a rule in the modules of a crate, which must not spell these words.
 ///
 /// # Errors
 /// When a source cannot be read.
-pub fn of_crate(folder: &Path) -> Result<Vec<String>> {
+pub fn of_crate(folder: &Path, words: &BTreeSet<String>) -> Result<Vec<String>> {
     let modules = Modules::read(&folder.join("src"))?;
     let uses = paths::uses(&modules);
     let mut broken = graph::circles(&modules, &uses);
     broken.extend(paths::functions_of_parents(&modules, &uses));
+    broken.extend(vocabulary::spelled_again(&modules, words));
     Ok(broken)
 }
 

@@ -10,7 +10,7 @@ mod valve;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
-use pneudrive_controller::parameters::id;
+use pneudrive_controller::parameters::{id, line};
 use pneudrive_link::client::{Client, Commander};
 use pneudrive_protocol::{
     ConfigState, Event, HISTOGRAM_BINS, Mode, Motion, Presence, Spread, Status, UNTIL_STOPPED,
@@ -73,7 +73,7 @@ fn reference(client: &mut Client, position: Position, counts: bool) -> Result<()
     json::figures(|| {
         json!({
             "position_counts": count, "position_mm": units.millimetres(count),
-            "encoder_zero_counts": zero, "encoder_zero_mm": zero_mm,
+            (line(id::ENCODER_ZERO_COUNTS).name): zero, "encoder_zero_mm": zero_mm,
         })
     });
     let position = if counts { format!("{count} counts") } else { units.length(count) };

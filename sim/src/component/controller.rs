@@ -5,7 +5,7 @@ pub use pneudrive_controller::choice::{HomingKind, Law, Loop};
 use pneudrive_controller::parameter_table;
 use pneudrive_controller::parameters::{DEFAULT_PROFILE, Parameter, id, line};
 
-use crate::key::{Kind, Preset, Typed, keys, other, words};
+use crate::key::{Kind, Preset, Typed, keys, of_line, words};
 use crate::values::{Findings, Rig, whole_microseconds};
 
 words! {
@@ -39,9 +39,9 @@ parameter_table!(keys_of_controller);
 
 /// The gains that the file gives, from the smallest errors on.
 const fn gain_profile() -> Typed<Vec<i64>> {
-    let Parameter { min, max, len, thesis, meaning, .. } = line(id::GAIN_PROFILE);
+    let Parameter { min, max, len, .. } = line(id::GAIN_PROFILE);
     let kind = Kind::Integers { min: min as i64, max: max as i64, max_entries: len as usize };
-    other("controller.gain_profile", kind, Preset::Integers(&PROFILE), thesis, meaning)
+    of_line(id::GAIN_PROFILE, kind, Preset::Integers(&PROFILE))
 }
 
 /// Those of Appendix IX; the rest is as the last one.

@@ -28,7 +28,7 @@ pub(crate) const fn words_parameter<C: Choice>(id: u16) -> Typed<C> {
     of_line(id, Kind::Choice(C::WORDS), Preset::Choice(C::WORDS[line(id).default as usize].0))
 }
 
-const fn of_line<T>(id: u16, kind: Kind, preset: Preset) -> Typed<T> {
+pub(crate) const fn of_line<T>(id: u16, kind: Kind, preset: Preset) -> Typed<T> {
     let Parameter { key, thesis, meaning, .. } = line(id);
     match key {
         Some(key) => Typed::new(key.path, kind, preset, thesis, meaning),

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 
 use super::crates::{self, Map, Uses};
-use super::of_crate;
+use super::{of_crate, vocabulary};
 
 /// A crate of these files; what breaks a rule in it.
 fn broken(files: &[(&str, &str)]) -> Vec<String> {
@@ -15,7 +15,11 @@ fn broken(files: &[(&str, &str)]) -> Vec<String> {
         fs::create_dir_all(path.parent().expect("a folder")).expect("a folder");
         fs::write(path, text).expect("a file");
     }
-    of_crate(folder.path()).expect("sources")
+    of_crate(folder.path(), &vocabulary::words(root()).expect("the table and the list")).expect("sources")
+}
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the workspace")
 }
 
 #[test]
@@ -113,7 +117,33 @@ fn a_map_that_lacks_a_crate_or_an_arrow_or_has_too_many_is_wrong() {
 }
 
 #[test]
+fn a_second_spelling_of_a_law_a_parameter_or_its_key_is_found_and_none_in_tests() {
+    let found = broken(&[
+        ("lib.rs", "mod law; mod gains; mod tests_of;"),
+        ("law.rs", "words! { pub enum Mine { Profile = \"gain-profile\", Relay = \"relay\" } }"),
+        (
+            "gains.rs",
+            "const ALL: [&str; 2] = [\"velocity_gain\", \"gain\"]; fn key() -> &'static str { \"controller.period_s\" }",
+        ),
+        ("tests_of.rs", "#[cfg(test)] mod tests { const LAW: &str = \"on-off\"; }"),
+    ]);
+    let told =
+        |module: &str, word: &str| format!("{module} spells {word:?}, which has its home in the controller");
+    let all =
+        [told("gains", "velocity_gain"), told("gains", "controller.period_s"), told("law", "gain-profile")];
+    assert_eq!(found, all);
+}
+
+#[test]
+fn quotes_in_characters_and_raw_texts_hide_no_spelling() {
+    let found = broken(&[(
+        "lib.rs",
+        "const QUOTE: char = '\"'; const RAW: &str = r#\"a \"b\" c\"#; const ESCAPED: &str = \"\\\"\"; const LAW: &str = \"pid\";",
+    )]);
+    assert_eq!(found, [" spells \"pid\", which has its home in the controller"]);
+}
+
+#[test]
 fn every_crate_keeps_the_structure() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the workspace");
-    super::check(root).unwrap_or_else(|error| panic!("{error:#}"));
+    super::check(root()).unwrap_or_else(|error| panic!("{error:#}"));
 }
