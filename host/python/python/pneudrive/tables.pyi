@@ -42,15 +42,6 @@ class Controller(Table):
     def model(self) -> str:
         """Sampled: the controller that is flashed. Continuous: the simulator's own, in floats."""
     @property
-    def law(self) -> str:
-        """How the position error becomes a demand. The variable dead band gain of 6.3.3 has no equation there; dead_band_counts, or zeros at the head of gain_profile, give a fixed one."""
-    @property
-    def loop(self) -> str:
-        """Open: moves are valve commands, nothing is fed back."""
-    @property
-    def period_s(self) -> float:
-        """Sample period; whole microseconds, s."""
-    @property
     def clock_error_percent(self) -> float:
         """How much longer a second of the controller's clock really is; the controller does not know it. Times of test, trace and records are those of its clock, %."""
     @property
@@ -60,17 +51,41 @@ class Controller(Table):
     def start_s(self) -> float:
         """Time for which the drive runs with its valve at the null before the first sample, from the initial state of the test; whole microseconds. Times of test, trace and faults count from the first sample, s."""
     @property
-    def delay_s(self) -> float:
-        """From a sample to its output; whole microseconds, less than the period, s."""
-    @property
     def gain_profile(self) -> list[int]:
         """Gain on the error, an entry for each span of error; the last one repeats to 256 entries."""
+    @property
+    def learn_null_offset(self) -> bool:
+        """Whether the controller learns the command at which the valve is at its null."""
+    @property
+    def learning_gain(self) -> int:
+        """Part of the error at rest that is added to the null offset, divided by the scale; 1 in the thesis, which has no effect within a day."""
+    @property
+    def pressure_feedback_gain(self) -> float:
+        """Counts of error that a kPa of quasi-transient pressure difference subtracts: it damps (9.1.2). 12.4 is Burrows' k5 and the default of the on-off law (the thesis does not give its unit); 0 is that of the other laws."""
+    @property
+    def law(self) -> str:
+        """How the position error becomes a demand. The variable dead band gain of 6.3.3 has no equation there; dead_band_counts, or zeros at the head of gain_profile, give a fixed one."""
+    @property
+    def loop(self) -> str:
+        """Open: moves are valve commands, nothing is fed back."""
+    @property
+    def period_s(self) -> float:
+        """Sample period; whole microseconds, s."""
+    @property
+    def delay_s(self) -> float:
+        """From a sample to its output; whole microseconds, less than the period, s."""
     @property
     def profile_span_counts(self) -> int:
         """Range of error that one entry of the gain profile covers, counts."""
     @property
     def proportional_gain(self) -> int:
         """Gain of the laws without a profile."""
+    @property
+    def integral_gain(self) -> int:
+        """Gain on the sum of the errors at the samples, in 256ths; 0: off."""
+    @property
+    def integral_band_counts(self) -> int:
+        """Errors beyond it are not summed; 0: all are, counts."""
     @property
     def dead_zone_counts(self) -> int:
         """Moore's law adds it in the direction of the error: what takes the spool across its dead zone. 102 for the DAC, 4 steps for the stepper: 0.05 mm, half of the hysteresis C(29), counts."""
@@ -123,12 +138,6 @@ class Controller(Table):
     def dwell_s(self) -> float:
         """From the arrival at a target to the next one, s."""
     @property
-    def learn_null_offset(self) -> bool:
-        """Whether the controller learns the command at which the valve is at its null."""
-    @property
-    def learning_gain(self) -> int:
-        """Part of the error at rest that is added to the null offset, divided by the scale; 1 in the thesis, which has no effect within a day."""
-    @property
     def homing(self) -> str:
         """Where a homing run ends: against a stop, or at the edge of a switch."""
     @property
@@ -146,9 +155,6 @@ class Controller(Table):
     @property
     def homing_timeout_s(self) -> float:
         """A longer homing run trips, s."""
-    @property
-    def pressure_feedback_gain(self) -> float:
-        """Counts of error that a kPa of quasi-transient pressure difference subtracts: it damps (9.1.2). 12.4 is Burrows' k5 and the default of the on-off law (the thesis does not give its unit); 0 is that of the other laws."""
 
 class Encoder(Table):
     @property
@@ -570,6 +576,15 @@ class Safety(Table):
     def max_speed_m_s(self) -> float:
         """A faster step of the encoder trips the supervisor, m/s."""
     @property
+    def sensor_watch(self) -> bool:
+        """Whether a pressure within a 64th of the range of an end of its converter trips, if no pressure of the drive can be there."""
+    @property
+    def end_min_mm(self) -> float | None:
+        """Software end position: a closed loop refuses lower setpoints, an open loop pushes no further, mm."""
+    @property
+    def end_max_mm(self) -> float | None:
+        """The other software end position, mm."""
+    @property
     def host_silence_s(self) -> float:
         """Silence of the host that trips a running move or homing run; 0: off, s."""
     @property
@@ -582,17 +597,8 @@ class Safety(Table):
     def input_settling_s(self) -> float:
         """A start begins its record once start and number have stayed for so long behind it, s."""
     @property
-    def sensor_watch(self) -> bool:
-        """Whether a pressure within a 64th of the range of an end of its converter trips, if no pressure of the drive can be there."""
-    @property
     def no_motion_s(self) -> float:
         """A closed loop that opens half of the valve or more and moves nothing for so long trips; with less of the valve it takes longer; 0: off, s."""
-    @property
-    def end_min_mm(self) -> float | None:
-        """Software end position: a closed loop refuses lower setpoints, an open loop pushes no further, mm."""
-    @property
-    def end_max_mm(self) -> float | None:
-        """The other software end position, mm."""
     @property
     def late_output_us(self) -> int:
         """An output that is later than this is not driven and trips the supervisor; less than the time from it to the next sample, by default at most half of it, us."""
