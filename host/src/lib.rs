@@ -6,7 +6,7 @@
 //! | [`mod@output`], [`json`], [`exit`], `version` | what the program says, as text and as JSON, how it ends, and what it understands |
 //!
 //! The work is done by crates that other programs can use, too: `pneudrive_records` reads and writes the files,
-//! `pneudrive_link` talks to rigs, `pneudrive_rigs` simulates rigs, `pneudrive_analysis` analyses transients.
+//! `pneudrive_link` talks to rigs, `pneudrive_rigs` simulates rigs, `pneudrive_evaluate` says what transients tell.
 
 // The standard macros panic when nobody reads the output; `say!` and `tell!` do not.
 #![deny(clippy::print_stdout, clippy::print_stderr)]

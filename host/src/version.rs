@@ -2,8 +2,8 @@
 
 use std::sync::LazyLock;
 
-use pneudrive_analysis::identification::report;
-use pneudrive_analysis::sweep::journal;
+use pneudrive_identify::report;
+use pneudrive_optimise::sweep::journal;
 use pneudrive_protocol::{CURRENT_VERSION, MIN_VERSION};
 use pneudrive_records::{run_folder, stream_file, target};
 use pneudrive_sim::rig::BUILTIN;

@@ -4,8 +4,8 @@ mod program;
 
 use std::path::Path;
 
-use pneudrive_analysis::evaluation::{Air, Chambers, Motion, moves, moves_of_run};
-use pneudrive_analysis::transient::{POSITION, PRESSURES, Transient};
+use pneudrive_evaluate::evaluation::{Air, Chambers, Motion, moves, moves_of_run};
+use pneudrive_evaluate::transient::{POSITION, PRESSURES, Transient};
 use pneudrive_records::run_folder::StoredRun;
 use pneudrive_sim::component::sensors::Sensors;
 use pneudrive_sim::keys;

@@ -4,7 +4,7 @@ mod program;
 
 use std::fs;
 
-use pneudrive_sim::characteristics::CURVES;
+use pneudrive_thesis::characteristics::CURVES;
 
 use program::{exists, folder, ok, transcript};
 

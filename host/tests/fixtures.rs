@@ -5,7 +5,7 @@ mod program;
 
 use std::path::PathBuf;
 
-use pneudrive_analysis::replay::replay;
+use pneudrive_evaluate::replay::replay;
 use pneudrive_records::target::TargetFile;
 
 /// File, samples, index of the first, parameters in its header.

@@ -6,10 +6,10 @@ mod program;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
-use pneudrive_analysis::identification::figures::Figures;
-use pneudrive_analysis::identification::parameter::{Parameter, usual};
-use pneudrive_analysis::identification::recording::Recording;
-use pneudrive_analysis::identification::{Identification, identify};
+use pneudrive_identify::figures::Figures;
+use pneudrive_identify::parameter::{Parameter, usual};
+use pneudrive_identify::recording::Recording;
+use pneudrive_identify::{Identification, identify};
 use pneudrive_records::target::TargetFile;
 use pneudrive_sim::keys;
 use pneudrive_sim::{Accuracy, Rig};

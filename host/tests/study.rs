@@ -5,8 +5,8 @@ mod program;
 
 use std::fs;
 
-use pneudrive_analysis::study::Verdict::{self, Agrees, Depends, Differs, Open};
-use pneudrive_analysis::study::{STARTS, STUDIES, Studied, index, page, run};
+use pneudrive_thesis::study::Verdict::{self, Agrees, Depends, Differs, Open};
+use pneudrive_thesis::study::{STARTS, STUDIES, Studied, index, page, run};
 
 use program::{exists, folder, ok, transcript};
 

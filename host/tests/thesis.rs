@@ -5,8 +5,8 @@ mod program;
 use std::fs;
 use std::path::Path;
 
-use pneudrive_analysis::study::STARTS;
-use pneudrive_analysis::thesis::{Exhibit, Experiment, exhibits, golden, run};
+use pneudrive_thesis::study::STARTS;
+use pneudrive_thesis::{Exhibit, Experiment, exhibits, golden, run};
 
 use program::{exists, folder, ok, transcript};
 

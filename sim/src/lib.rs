@@ -15,7 +15,6 @@
 //! | [`plant`] | what the controller sees: a command in, a sample out |
 //! | [`continuous`] | the controller in real numbers, for comparison |
 //! | [`gain_bug`] | the historical bug of the gain routine, for repetition |
-//! | [`characteristics`] | the thesis's component tests, on these very parts |
 //! | [`follow`](mod@follow) | the plant under commands that were recorded |
 //! | [`convergence`] | whether a transient is converged, or the error of its integration chose it |
 //! | [`run`](mod@run), [`trace`] | the real controller on the plant, and what came out |
@@ -24,7 +23,6 @@
 //! alone, so that a run gives the same bits on every machine.
 
 mod assembly;
-pub mod characteristics;
 pub mod component;
 pub mod continuous;
 pub mod convergence;

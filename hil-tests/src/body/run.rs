@@ -2,9 +2,9 @@
 
 use std::sync::atomic::AtomicBool;
 
-use pneudrive_analysis::replay::{Replay, replay};
 use pneudrive_app::recorder::recorded;
 use pneudrive_controller::Observation;
+use pneudrive_evaluate::replay::{Replay, replay};
 use pneudrive_link::client::Client;
 use pneudrive_protocol::Mode;
 use pneudrive_records::record::Record;

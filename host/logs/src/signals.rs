@@ -5,7 +5,7 @@
 use std::path::Path;
 
 use anyhow::Result;
-use pneudrive_analysis::transient::{COMMAND, ERROR, POSITION, SETPOINT, SPOOL, Transient};
+use pneudrive_evaluate::transient::{COMMAND, ERROR, POSITION, SETPOINT, SPOOL, Transient};
 use pneudrive_protocol::RecordedSample;
 use pneudrive_records::run_folder::StoredRun;
 use pneudrive_records::target::TargetFile;

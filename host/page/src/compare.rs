@@ -1,9 +1,9 @@
 //! A TARGET file or a run folder laid over the run of the page, aligned if that is asked for, with their deviation: what
 //! `overlay` does.
 
-use pneudrive_analysis::alignment::Align;
-use pneudrive_analysis::deviation::{deviations, table};
-use pneudrive_analysis::transient::{CHANNELS, Transient};
+use pneudrive_evaluate::alignment::Align;
+use pneudrive_evaluate::deviation::{deviations, table};
+use pneudrive_evaluate::transient::{CHANNELS, Transient};
 use pneudrive_records::run_folder::StoredRun;
 use pneudrive_records::target::TargetFile;
 use pneudrive_sim::{Accuracy, run};

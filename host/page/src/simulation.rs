@@ -1,12 +1,12 @@
 //! A rig simulated while one drags a slider: first the run alone, then the run with its perturbed runs.
 
 use http::StatusCode;
-use pneudrive_analysis::ensemble::{Ensemble, run_ensemble_while};
-use pneudrive_analysis::evaluation::{Move, TOLERANCE_MM, moves_of_run, remarks, table};
-use pneudrive_analysis::page::Table;
+use pneudrive_evaluate::evaluation::{Move, TOLERANCE_MM, moves_of_run, remarks, table};
+use pneudrive_optimise::ensemble::{Ensemble, run_ensemble_while};
 use pneudrive_records::band::{Band, CHANNELS};
 use pneudrive_records::judged::Spacing;
 use pneudrive_records::words;
+use pneudrive_report::Table;
 use pneudrive_sim::component::controller::Loop;
 use pneudrive_sim::component::encoder::mm_per_count;
 use pneudrive_sim::trace::COLUMNS;

@@ -1,9 +1,9 @@
 //! Which frequencies a channel holds, of the run of the page or of a record that lies over it: what `spectrum` does.
 
-use pneudrive_analysis::channel::Channel;
-use pneudrive_analysis::page::Table;
-use pneudrive_analysis::spectrum::{Peak, Spectrum, Window};
-use pneudrive_analysis::transient::Transient;
+use pneudrive_evaluate::channel::Channel;
+use pneudrive_evaluate::spectrum::{Peak, Spectrum, Window};
+use pneudrive_evaluate::transient::Transient;
+use pneudrive_report::Table;
 use serde::Deserialize;
 use serde_json::json;
 

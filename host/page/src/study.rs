@@ -14,7 +14,7 @@ mod meter;
 mod sweep;
 mod tune;
 
-use pneudrive_analysis::sweep::metric::FIGURES;
+use pneudrive_optimise::sweep::metric::FIGURES;
 use serde::Deserialize;
 use serde_json::{Value, json};
 

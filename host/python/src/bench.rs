@@ -1,8 +1,8 @@
 //! The tests that a fit needs, on a drive.
 
 use anyhow::Result;
-use pneudrive_analysis::identification::plan::{self, Bench};
 use pneudrive_controller::parameters::id;
+use pneudrive_identify::plan::{self, Bench};
 use pneudrive_link::client::Client;
 use pneudrive_records::target::TargetFile;
 use pneudrive_session::borrowed::lend;

@@ -1,9 +1,9 @@
 //! `evaluate`: what a transient tells about its moves.
 
 use anyhow::bail;
-use pneudrive_analysis::ensemble::run_ensemble;
-use pneudrive_analysis::evaluation::{Chambers, Motion, TOLERANCE_MM, moves, refuse_other_rig};
-use pneudrive_analysis::transient::Transient;
+use pneudrive_evaluate::evaluation::{Chambers, Motion, TOLERANCE_MM, moves, refuse_other_rig};
+use pneudrive_evaluate::transient::Transient;
+use pneudrive_optimise::ensemble::run_ensemble;
 use pneudrive_records::run_folder::{StoredRun, rig_of};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;

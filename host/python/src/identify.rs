@@ -2,9 +2,9 @@
 
 use std::path::PathBuf;
 
-use pneudrive_analysis::identification::parameter::{Parameter, usual};
-use pneudrive_analysis::identification::recording::Recording;
-use pneudrive_analysis::identification::{self, report};
+use pneudrive_identify::parameter::{Parameter, usual};
+use pneudrive_identify::recording::Recording;
+use pneudrive_identify::report;
 use pneudrive_records::target::TargetFile;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -86,7 +86,7 @@ impl Estimate {
 #[pyclass(frozen, module = "pneudrive")]
 pub struct Identification {
     rig: Rig,
-    found: identification::Identification,
+    found: pneudrive_identify::Identification,
     numbers: Json,
 }
 
@@ -117,7 +117,7 @@ pub fn identify(
             log::info!("{line}");
             meter.at(0, 0);
         };
-        let fit = || identification::identify(&rig.rig, &recordings, parameters, accuracy, &mut tell);
+        let fit = || pneudrive_identify::identify(&rig.rig, &recordings, parameters, accuracy, &mut tell);
         let found = work::pool(None)?.install(fit)?;
         let numbers = report::to_json(&found, &recordings);
         Ok((found, numbers))

@@ -1,6 +1,6 @@
 //! What a transient tells about its moves, as Python has it.
 
-use pneudrive_analysis::evaluation::{self, remarks, table};
+use pneudrive_evaluate::evaluation::{self, remarks, table};
 use pyo3::exceptions::PyAttributeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;

@@ -1,9 +1,9 @@
 //! `overlay`: how far transients are from a reference.
 
 use anyhow::{Context, bail};
-use pneudrive_analysis::alignment::{best_shift, first_move};
-use pneudrive_analysis::deviation::{self, WithinBand, deviations};
-use pneudrive_analysis::transient;
+use pneudrive_evaluate::alignment::{best_shift, first_move};
+use pneudrive_evaluate::deviation::{self, WithinBand, deviations};
+use pneudrive_evaluate::transient;
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 

@@ -5,9 +5,9 @@ use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
 
 use anyhow::{Context, Result};
-use pneudrive_analysis::parallel;
-use pneudrive_analysis::sweep::point::Points;
-use pneudrive_analysis::sweep::{Row, Source, Sweep};
+use pneudrive_evaluate::parallel;
+use pneudrive_optimise::sweep::point::Points;
+use pneudrive_optimise::sweep::{Row, Source, Sweep};
 use pyo3::exceptions::PyIndexError;
 use pyo3::prelude::*;
 

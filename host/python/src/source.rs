@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use pneudrive_analysis::transient;
+use pneudrive_evaluate::transient;
 use pneudrive_records::run_folder::StoredRun;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;

@@ -4,7 +4,7 @@ use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
-use pneudrive_analysis::sweep::{Source, Sweep};
+use pneudrive_optimise::sweep::{Source, Sweep};
 use pneudrive_records::rig_source::rig_text;
 use pneudrive_sim::rig::builtin;
 use pyo3::exceptions::PyTypeError;

@@ -4,10 +4,10 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use anyhow::{Result, bail};
-use pneudrive_analysis::page::Library;
-use pneudrive_analysis::sweep::{HEADER_END, Row, Source, Sweep, report};
+use pneudrive_optimise::sweep::{HEADER_END, Row, Source, Sweep, report};
 use pneudrive_records::own_file::{GENERATOR, refuse_to_replace};
 use pneudrive_records::whole_file::put;
+use pneudrive_report::Library;
 use pyo3::exceptions::PyIndexError;
 use pyo3::prelude::*;
 

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use pneudrive_analysis::transient;
+use pneudrive_evaluate::transient;
 use pneudrive_protocol::RecordedSample;
 use pneudrive_records::target::TargetFile;
 use pyo3::prelude::*;

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use pneudrive_analysis::transient::{self, CHANNELS};
+use pneudrive_evaluate::transient::{self, CHANNELS};
 use pyo3::prelude::*;
 
 use crate::channels::{Channels, Column, Columns};

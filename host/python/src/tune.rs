@@ -3,11 +3,11 @@
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
-use pneudrive_analysis::page::Library;
-use pneudrive_analysis::tuning::search::Budget;
-use pneudrive_analysis::tuning::{self, Behaviour, Goal, Proportion, Relative, Task, report};
+use pneudrive_optimise::tuning::search::Budget;
+use pneudrive_optimise::tuning::{self, Behaviour, Goal, Proportion, Relative, Task, report};
 use pneudrive_records::own_file::{GENERATOR, make_writable, refuse_to_replace};
 use pneudrive_records::whole_file::put;
+use pneudrive_report::Library;
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;

@@ -2,8 +2,8 @@
 //! its pages are like.
 
 use clap::{Args, ValueEnum};
-use pneudrive_analysis::page::Library;
 use pneudrive_records::judged::Spacing;
+use pneudrive_report::Library;
 use pneudrive_sim::{Accuracy, Method, PERTURBATION, Rig};
 
 /// Which rig, and what to change in it.

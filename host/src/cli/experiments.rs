@@ -4,10 +4,10 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use clap::Args;
-use pneudrive_analysis::study::{STARTS, STUDIES};
-use pneudrive_analysis::sweep::execution::Shard;
-use pneudrive_analysis::sweep::metric::FIGURES;
-use pneudrive_sim::characteristics::CURVES;
+use pneudrive_optimise::sweep::execution::Shard;
+use pneudrive_optimise::sweep::metric::FIGURES;
+use pneudrive_thesis::characteristics::CURVES;
+use pneudrive_thesis::study::{STARTS, STUDIES};
 
 use super::percent::percent;
 use super::{EnsembleChoice, Pages, RigChoice};

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use pneudrive_analysis::evaluation::TOLERANCE_MM;
+use pneudrive_evaluate::evaluation::TOLERANCE_MM;
 
 use super::{Integration, Pages, RigChoice};
 

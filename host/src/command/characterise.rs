@@ -1,4 +1,4 @@
-//! `pneudrive characterise`: runs the component tests of [`pneudrive_sim::characteristics`] and writes their curves.
+//! `pneudrive characterise`: runs the component tests of [`pneudrive_thesis::characteristics`] and writes their curves.
 
 mod digits;
 mod points;
@@ -7,13 +7,13 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Error, Result, anyhow, bail};
-use pneudrive_analysis::page::{Curve, Figure, Library, Page, Panel, Table};
 use pneudrive_records::own_file::{GENERATOR, make_writable, refuse_to_replace};
 use pneudrive_records::whole_file::put;
-use pneudrive_sim::characteristics::{
+use pneudrive_report::{Curve, Figure, Library, Page, Panel, Table};
+use pneudrive_sim::{IntegrationError, Rig};
+use pneudrive_thesis::characteristics::{
     CURVES, Characteristic, Curve as Wanted, Figure as Measured, Graph, Reading, Unfit,
 };
-use pneudrive_sim::{IntegrationError, Rig};
 use serde_json::json;
 
 use digits::significant;

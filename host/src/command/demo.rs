@@ -3,17 +3,17 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
-use pneudrive_analysis::ensemble::run_ensemble;
-use pneudrive_analysis::evaluation::to_json;
-use pneudrive_analysis::page::Page;
-use pneudrive_analysis::report;
-use pneudrive_analysis::transient::Transient;
+use pneudrive_evaluate::evaluation::to_json;
+use pneudrive_evaluate::report;
+use pneudrive_evaluate::transient::Transient;
 use pneudrive_link::client::Client;
+use pneudrive_optimise::ensemble::run_ensemble;
 use pneudrive_records::judged::{Judged, Spacing};
 use pneudrive_records::own_file::make_writable;
 use pneudrive_records::run_folder::{self, Numbered, StoredRun};
 use pneudrive_records::target::TargetFile;
 use pneudrive_records::words;
+use pneudrive_report::Page;
 use pneudrive_rigs::virtual_rig::{Background, Listener, Pace, VirtualRig};
 use pneudrive_session::test_run::TestRun;
 use pneudrive_sim::{Accuracy, Rig};

@@ -4,18 +4,18 @@ use std::fmt::Write;
 use std::path::Path;
 
 use anyhow::{Error, Result, anyhow, bail};
-use pneudrive_analysis::ensemble::{Ensemble, run_ensemble};
-use pneudrive_analysis::evaluation::{
+use pneudrive_evaluate::evaluation::{
     Chambers, Motion, Move, moves, refuse_other_rig, remarks, table, to_json,
 };
-use pneudrive_analysis::page::{Curve, Figure, Page, Panel};
-use pneudrive_analysis::report;
-use pneudrive_analysis::transient::{CHANNELS, Transient};
+use pneudrive_evaluate::report;
+use pneudrive_evaluate::transient::{CHANNELS, Transient};
+use pneudrive_optimise::ensemble::{Ensemble, run_ensemble};
 use pneudrive_records::judged::Spacing;
 use pneudrive_records::own_file::{GENERATOR, refuse_to_replace};
 use pneudrive_records::run_folder::{StoredRun, is_trace, rig_of};
 use pneudrive_records::whole_file::put;
 use pneudrive_records::words;
+use pneudrive_report::{Curve, Figure, Page, Panel};
 use pneudrive_sim::{Accuracy, Rig, Run};
 use serde_json::json;
 

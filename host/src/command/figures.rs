@@ -1,14 +1,14 @@
 //! What commands have found as JSON, by the type of it (docs/json.md has every field). An unknown number is null.
 
-use pneudrive_analysis::deviation::Deviation;
-use pneudrive_analysis::ladder::Rung;
-use pneudrive_analysis::replay::{Difference, Replay, What};
-use pneudrive_analysis::study::{Studied, Study};
-use pneudrive_analysis::thesis::{Found as Shows, Printed, Shown};
+use pneudrive_evaluate::deviation::Deviation;
+use pneudrive_evaluate::replay::{Difference, Replay, What};
+use pneudrive_optimise::ladder::Rung;
 use pneudrive_records::judged::Judged;
 use pneudrive_records::words;
 use pneudrive_sim::Rig;
-use pneudrive_sim::characteristics::{Characteristic, Figure, Reading};
+use pneudrive_thesis::characteristics::{Characteristic, Figure, Reading};
+use pneudrive_thesis::study::{Studied, Study};
+use pneudrive_thesis::{Found as Shows, Printed, Shown};
 use serde_json::{Value, json};
 
 /// A simulated run; `moves` as run.json has them.
@@ -82,8 +82,8 @@ pub(super) fn characteristic(name: &str, found: &Characteristic, files: [String;
 /// The findings of a study.
 pub(super) fn study(study: &Study, studied: &Studied) -> Value {
     let one = |(statement, finding): (
-        &pneudrive_analysis::study::Statement,
-        &pneudrive_analysis::study::Finding,
+        &pneudrive_thesis::study::Statement,
+        &pneudrive_thesis::study::Finding,
     )| {
         json!({ "thesis": statement.thesis, "model": finding.shows, "verdict": finding.verdict.word() })
     };

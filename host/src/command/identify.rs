@@ -8,16 +8,16 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
-use pneudrive_analysis::identification::figures::Figures;
-use pneudrive_analysis::identification::independence::is_same;
-use pneudrive_analysis::identification::parameter::{Parameter, usual};
-use pneudrive_analysis::identification::plan::Recorded;
-use pneudrive_analysis::identification::recording::Recording;
-use pneudrive_analysis::identification::{Identification, identify, report};
-use pneudrive_analysis::page::Page;
+use pneudrive_identify::figures::Figures;
+use pneudrive_identify::independence::is_same;
+use pneudrive_identify::parameter::{Parameter, usual};
+use pneudrive_identify::plan::Recorded;
+use pneudrive_identify::recording::Recording;
+use pneudrive_identify::{Identification, identify, report};
 use pneudrive_records::own_file::{GENERATOR, make_writable, refuse_to_replace};
 use pneudrive_records::target::TargetFile;
 use pneudrive_records::whole_file::put;
+use pneudrive_report::Page;
 use pneudrive_sim::Rig;
 use serde_json::json;
 

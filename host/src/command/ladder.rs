@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use anyhow::Result;
-use pneudrive_analysis::ladder::{climb, page, table};
+use pneudrive_optimise::ladder::{climb, page, table};
 use pneudrive_records::own_file::{GENERATOR, make_writable, refuse_to_replace};
 
 use super::figures;

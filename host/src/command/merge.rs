@@ -5,8 +5,8 @@ use std::fs;
 use std::path::Path;
 
 use anyhow::{Context, Result, bail, ensure};
-use pneudrive_analysis::sweep::journal::{About, Journal, Kept, NAME};
-use pneudrive_analysis::sweep::{Row, Sweep};
+use pneudrive_optimise::sweep::journal::{About, Journal, Kept, NAME};
+use pneudrive_optimise::sweep::{Row, Sweep};
 use pneudrive_records::words::few;
 
 use super::sweep::{leave, make_room};

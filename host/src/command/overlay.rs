@@ -1,12 +1,12 @@
 //! `pneudrive overlay`.
 
 use anyhow::{Result, bail};
-use pneudrive_analysis::alignment::Align;
-use pneudrive_analysis::deviation::{deviations, table};
-use pneudrive_analysis::page::Table;
-use pneudrive_analysis::report;
-use pneudrive_analysis::transient::Transient;
+use pneudrive_evaluate::alignment::Align;
+use pneudrive_evaluate::deviation::{deviations, table};
+use pneudrive_evaluate::report;
+use pneudrive_evaluate::transient::Transient;
 use pneudrive_records::own_file::{GENERATOR, refuse_to_replace};
+use pneudrive_report::Table;
 use serde_json::json;
 
 use super::eval::{fits_on_a_page, interval, missing};

@@ -1,7 +1,7 @@
 //! `pneudrive replay`.
 
 use anyhow::{Context, Result};
-use pneudrive_analysis::replay::{Difference, Replay, What, replay};
+use pneudrive_evaluate::replay::{Difference, Replay, What, replay};
 use pneudrive_records::target::TargetFile;
 use pneudrive_records::words;
 

@@ -3,17 +3,17 @@
 use std::time::Instant;
 
 use anyhow::Result;
-use pneudrive_analysis::ensemble::{Ensemble, run_ensemble};
-use pneudrive_analysis::evaluation::{Move, TOLERANCE_MM, moves_of_run, remarks, table, to_json};
-use pneudrive_analysis::page::{Page, Table};
-use pneudrive_analysis::recorded_test::{Taken, taken_from};
-use pneudrive_analysis::report;
-use pneudrive_analysis::transient::Transient;
+use pneudrive_evaluate::evaluation::{Move, TOLERANCE_MM, moves_of_run, remarks, table, to_json};
+use pneudrive_evaluate::recorded_test::{Taken, taken_from};
+use pneudrive_evaluate::report;
+use pneudrive_evaluate::transient::Transient;
+use pneudrive_optimise::ensemble::{Ensemble, run_ensemble};
 use pneudrive_records::judged::Judged;
 use pneudrive_records::move_points::Through;
 use pneudrive_records::own_file::make_writable;
 use pneudrive_records::run_folder::{self, Existing, Numbered, PageOf, StoredRun};
 use pneudrive_records::words;
+use pneudrive_report::{Page, Table};
 use pneudrive_sim::{Recording, Rig, Run, run_recorded};
 use serde_json::json;
 

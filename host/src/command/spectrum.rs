@@ -3,12 +3,12 @@
 use std::path::Path;
 
 use anyhow::{Result, bail};
-use pneudrive_analysis::channel::Channel;
-use pneudrive_analysis::page::{Curve, Figure, Page, Panel, Table};
-use pneudrive_analysis::spectrum::{Peak, Spectrum, Window, bipolar_12_bit};
-use pneudrive_analysis::transient::Transient;
+use pneudrive_evaluate::channel::Channel;
+use pneudrive_evaluate::spectrum::{Peak, Spectrum, Window, bipolar_12_bit};
+use pneudrive_evaluate::transient::Transient;
 use pneudrive_records::own_file::{GENERATOR, refuse_to_replace};
 use pneudrive_records::whole_file::put;
+use pneudrive_report::{Curve, Figure, Page, Panel, Table};
 use serde_json::{Value, json};
 
 use super::eval::interval;

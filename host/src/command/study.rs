@@ -1,8 +1,8 @@
 //! `pneudrive study`.
 
 use anyhow::Result;
-use pneudrive_analysis::study::{Finding, STUDIES, Studied, Study, index, page, run, statements, summary};
 use pneudrive_records::own_file::{GENERATOR, make_writable, refuse_to_replace};
+use pneudrive_thesis::study::{Finding, STUDIES, Studied, Study, index, page, run, statements, summary};
 use serde_json::json;
 
 use super::figures;

@@ -6,13 +6,13 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::{Result, bail};
-use pneudrive_analysis::page::Library;
-use pneudrive_analysis::sweep::execution::{execute as run_shard, run_points, todo};
-use pneudrive_analysis::sweep::journal::{Journal, NAME};
-use pneudrive_analysis::sweep::{HEADER_END, Row, Source, Sweep, numbers, report};
+use pneudrive_optimise::sweep::execution::{execute as run_shard, run_points, todo};
+use pneudrive_optimise::sweep::journal::{Journal, NAME};
+use pneudrive_optimise::sweep::{HEADER_END, Row, Source, Sweep, numbers, report};
 use pneudrive_records::own_file::{GENERATOR, make_writable, refuse_to_replace};
 use pneudrive_records::text_file;
 use pneudrive_records::whole_file::put;
+use pneudrive_report::Library;
 use pneudrive_sim::rig::builtin;
 
 use super::long_work::{about, allow};
@@ -119,7 +119,7 @@ pub(super) fn leave(out: &Path, sweep: &Sweep, rows: BTreeMap<usize, Row>, libra
     let lines = std::iter::once(sweep.header()).chain(rows.iter().map(|row| row.to_csv(sweep)));
     put(&out.join("sweep.csv"), &lines.map(|line| line + "\n").collect::<String>())?;
     #[cfg(feature = "parquet")]
-    put(&out.join("sweep.parquet"), &pneudrive_analysis::sweep::parquet::file(sweep, &rows)?)?;
+    put(&out.join("sweep.parquet"), &pneudrive_optimise::sweep::parquet::file(sweep, &rows)?)?;
     report::page(sweep, &rows).write(&out.join("sweep.html"), library)?;
     json::figures(|| numbers::to_json(sweep, &rows));
     say!("{}", report::count(sweep, &rows));

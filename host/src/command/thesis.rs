@@ -1,9 +1,9 @@
 //! `pneudrive thesis`.
 
 use anyhow::Result;
-use pneudrive_analysis::thesis::{Exhibit, exhibits, golden, html, lasts, run, summary_line, within};
 use pneudrive_records::own_file::{GENERATOR, make_writable, refuse_to_replace};
 use pneudrive_records::whole_file::put;
+use pneudrive_thesis::{Exhibit, exhibits, golden, html, lasts, run, summary_line, within};
 
 use super::figures;
 use super::long_work::about;

@@ -3,7 +3,7 @@
 use std::num::NonZeroUsize;
 
 use anyhow::{Context, Result};
-use pneudrive_analysis::parallel;
+use pneudrive_evaluate::parallel;
 
 /// More threads than this no machine serves better, and some systems do not start.
 const MAX: NonZeroUsize = NonZeroUsize::new(256).unwrap();

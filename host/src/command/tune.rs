@@ -3,8 +3,8 @@
 use std::time::{Duration, Instant};
 
 use anyhow::Result;
-use pneudrive_analysis::tuning::search::Budget;
-use pneudrive_analysis::tuning::{
+use pneudrive_optimise::tuning::search::Budget;
+use pneudrive_optimise::tuning::{
     Behaviour, Goal, Progress as At, Relative, Stage, Task, behaviour, report, tune,
 };
 use pneudrive_records::own_file::{GENERATOR, make_writable, refuse_to_replace};

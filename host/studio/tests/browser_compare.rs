@@ -6,10 +6,10 @@ mod chromium;
 mod opened;
 mod simulated;
 
-use pneudrive_analysis::channel::Channel;
-use pneudrive_analysis::spectrum::{Spectrum, Window};
-use pneudrive_analysis::transient::Transient;
 use pneudrive_design::difference::differences;
+use pneudrive_evaluate::channel::Channel;
+use pneudrive_evaluate::spectrum::{Spectrum, Window};
+use pneudrive_evaluate::transient::Transient;
 use pneudrive_records::run_folder::StoredRun;
 use pneudrive_records::target::TargetFile;
 use pneudrive_sim::{Accuracy, Rig, run};

@@ -6,9 +6,9 @@ mod visitor;
 use std::fs;
 
 use axum::http::{Method, StatusCode};
-use pneudrive_analysis::deviation;
-use pneudrive_analysis::evaluation::{TOLERANCE_MM, moves_of_run, table};
-use pneudrive_analysis::transient::Transient;
+use pneudrive_evaluate::deviation;
+use pneudrive_evaluate::evaluation::{TOLERANCE_MM, moves_of_run, table};
+use pneudrive_evaluate::transient::Transient;
 use pneudrive_records::run_folder::StoredRun;
 use pneudrive_records::target::TargetFile;
 use pneudrive_sim::{Accuracy, Rig, run};

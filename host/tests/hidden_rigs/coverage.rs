@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use pneudrive_analysis::tuning::Proportion;
+use pneudrive_optimise::tuning::Proportion;
 
 use super::{Told, Trial};
 

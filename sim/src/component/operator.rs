@@ -117,7 +117,7 @@ pub(crate) enum Course<'a> {
 }
 
 /// Guards that an operator has.
-pub(crate) const GUARDS: usize = 2 + moving_hysteresis::GUARDS;
+pub const GUARDS: usize = 2 + moving_hysteresis::GUARDS;
 
 /// A valve operator with its modes.
 #[derive(Clone, Debug)]
@@ -297,7 +297,7 @@ impl Operator {
     }
 
     /// Changes the mode whose guard has become negative at `t`.
-    pub(crate) fn cross(&mut self, guard: usize, t: f64, spool: &mut SpoolState, flow_force: f64) {
+    pub fn cross(&mut self, guard: usize, t: f64, spool: &mut SpoolState, flow_force: f64) {
         match self {
             Operator::Solenoid(solenoid) => solenoid.cross(guard, t, spool, flow_force),
             Operator::Empirical(empirical) => empirical.cross(guard, t, *spool),

@@ -164,7 +164,8 @@ impl Tube {
     }
 
     /// Whether both ends have the same pressure, whatever flows.
-    pub(crate) fn is_none(&self) -> bool {
+    #[must_use]
+    pub fn is_none(&self) -> bool {
         matches!(self.0, Drop::None)
     }
 
@@ -210,6 +211,12 @@ impl Tube {
     #[must_use]
     pub fn connector(gas: &Gas, discharge: f64, diameter_m: f64) -> Tube {
         Tube(Drop::Connector(Connector::new(*gas, discharge, diameter_m)))
+    }
+
+    /// The Exner pressure at the far end, for a flow (kg/s) from the known end to it; `known` as in `far_end`.
+    #[must_use]
+    pub fn far_exner(&self, known: &Station, flow: f64) -> f64 {
+        self.far_end(known, flow).exner
     }
 
     /// The far end, for a flow (kg/s) from the known end to the far end. `known` has the pressure at the known

@@ -227,11 +227,18 @@ impl Valve {
     }
 
     /// The laws of the lands to the supply and to the exhaust with the spool at a place, m, where they depend on it.
-    pub(crate) fn laws_at(&self, spool: f64) -> Option<[FlowLaw; 2]> {
+    #[must_use]
+    pub fn laws_at(&self, spool: f64) -> Option<[FlowLaw; 2]> {
         let map = self.map.as_ref()?;
         let place = (spool - self.null_offset) / self.travel;
         let [one, two] = [map.at(place), map.at(-place)];
         Some([FlowLaw::Map([one, two]), FlowLaw::Map([two, one])])
+    }
+
+    /// The conductance of the land from the supply to node 1 for a spool position in m.
+    #[must_use]
+    pub fn supply_conductance(&self, gas: &Gas, spool: f64) -> f64 {
+        self.conductances(gas, spool).lane(0).supply
     }
 
     /// The conductances around nodes 1 and 2 for a spool position in m.

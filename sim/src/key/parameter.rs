@@ -5,7 +5,6 @@ use pneudrive_controller::choice::{EncoderKind, HomingKind, Law, Loop};
 use pneudrive_controller::parameters::{Parameter, line};
 
 use super::{Choice, Kind, Preset, Typed};
-use crate::values::{FromValue, Value};
 
 pub(crate) const fn whole_parameter(id: u16) -> Typed<i64> {
     let Parameter { min, max, default, .. } = line(id);
@@ -85,10 +84,10 @@ macro_rules! choices {
             }
         }
 
-        impl FromValue for $words {
-            fn from_value(value: Option<&Value>) -> Option<Self> {
+        impl $crate::values::FromValue for $words {
+            fn from_value(value: Option<&$crate::values::Value>) -> Option<Self> {
                 match value {
-                    Some(Value::Word(word)) => Choice::of_word(word),
+                    Some($crate::values::Value::Word(word)) => Choice::of_word(word),
                     _ => None,
                 }
             }

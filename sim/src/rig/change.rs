@@ -67,14 +67,16 @@ impl Rig {
     }
 
     /// This rig with nothing that goes wrong in its test.
-    pub(crate) fn without_events(&self) -> Rig {
+    #[must_use]
+    pub fn without_events(&self) -> Rig {
         let mut rig = self.clone();
         rig.put(keys::faults::EVENT.path, None);
         rig
     }
 
     /// The same from its first sample on, its valve driven from sample to sample: for tests of its parts.
-    pub(crate) fn on_bench(&self) -> Rig {
+    #[must_use]
+    pub fn on_bench(&self) -> Rig {
         let mut rig = self.without_events();
         rig.put(keys::controller::MODEL.path, Some(Value::Word(Model::Sampled.word().to_owned())));
         rig.put(keys::controller::START_S.path, Some(Value::Number(0.0)));

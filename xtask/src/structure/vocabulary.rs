@@ -12,8 +12,8 @@ use super::module::Modules;
 const TABLE: &str = "shared/controller/src/parameters/table.rs";
 const LAWS: &str = "shared/controller/src/choice.rs";
 
-/// Modules of the controller that the words are spelled in.
-const HOMES: [&str; 2] = ["choice", "parameters::table"];
+/// Modules of the controller that the words are spelled in, and this one.
+const HOMES: [&str; 3] = ["choice", "parameters::table", "structure::vocabulary"];
 
 /// Words that a module spells for something else: the valve's operator of that name.
 const OTHERS: [(&str, &str); 2] =
@@ -36,9 +36,9 @@ fn of_table(text: &str) -> impl Iterator<Item = String> {
     text.lines().map(str::trim).flat_map(move |line| {
         section = line.strip_suffix(" {").filter(|word| !word.contains(' ')).unwrap_or(section);
         let own = line.starts_with(|c: char| c.is_ascii_digit()).then(|| quoted(line)).flatten();
-        let key = line.split_once("] (").map_or("", |(_, behind)| behind);
-        let of_key =
-            if key.split(' ').nth(1).is_some_and(|word| word.starts_with('"')) { quoted(key) } else { own };
+        let key = line.split_once("] (").and_then(|(_, behind)| behind.split_once(' '));
+        let of_key = key.filter(|(first, rest)| !first.contains(')') && rest.starts_with('"'));
+        let of_key = of_key.map_or(own, |(_, rest)| quoted(rest));
         let has_keys = ["controller", "safety"].contains(&section);
         let path = of_key.filter(|_| own.is_some() && has_keys).map(|name| format!("{section}.{name}"));
         own.filter(|name| name.contains('_')).map(str::to_owned).into_iter().chain(path)

@@ -1,6 +1,6 @@
-use pneudrive_analysis::identification::recording::Recording;
-use pneudrive_analysis::replay::replay;
-use pneudrive_analysis::transient::{COMMAND, ERROR, POSITION, PRESSURES, SETPOINT, SPOOL, Transient};
+use pneudrive_evaluate::replay::replay;
+use pneudrive_evaluate::transient::{COMMAND, ERROR, POSITION, PRESSURES, SETPOINT, SPOOL, Transient};
+use pneudrive_identify::recording::Recording;
 use pneudrive_records::run_folder::StoredRun;
 use pneudrive_sim::{Accuracy, run};
 

@@ -1,6 +1,6 @@
 //! Notes, tables and graphs of a report, as the page draws them.
 
-use pneudrive_analysis::page::{Curve, Figure, Look, Page, Panel, Shade};
+use pneudrive_report::{Curve, Figure, Look, Page, Panel, Shade};
 use serde_json::{Value, json};
 
 use crate::simulation::to_json as table;

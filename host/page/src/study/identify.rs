@@ -1,10 +1,10 @@
 //! Parameters of the rig of the page from the records on it.
 
-use pneudrive_analysis::identification::figures::Figures;
-use pneudrive_analysis::identification::parameter::{Parameter, usual};
-use pneudrive_analysis::identification::recording::Recording;
-use pneudrive_analysis::identification::{Identification, identify_while, report};
-use pneudrive_analysis::wanted::Wanted;
+use pneudrive_evaluate::wanted::Wanted;
+use pneudrive_identify::figures::Figures;
+use pneudrive_identify::parameter::{Parameter, usual};
+use pneudrive_identify::recording::Recording;
+use pneudrive_identify::{Identification, identify_while, report};
 use pneudrive_sim::{Accuracy, Rig};
 use serde::Deserialize;
 use serde_json::{Value, json};

@@ -4,10 +4,10 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use anyhow::ensure;
-use pneudrive_analysis::sweep::execution::each_point;
-use pneudrive_analysis::sweep::metric::FIGURES;
-use pneudrive_analysis::sweep::{Row, Source, Sweep, numbers, report};
-use pneudrive_analysis::wanted::CALLED_OFF;
+use pneudrive_evaluate::wanted::CALLED_OFF;
+use pneudrive_optimise::sweep::execution::each_point;
+use pneudrive_optimise::sweep::metric::FIGURES;
+use pneudrive_optimise::sweep::{Row, Source, Sweep, numbers, report};
 use pneudrive_sim::keys;
 use pneudrive_sim::rig::{Kind, find_key};
 use serde::Deserialize;

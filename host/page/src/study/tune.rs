@@ -2,11 +2,11 @@
 
 use std::ops::RangeInclusive;
 
-use pneudrive_analysis::tuning::search::Budget;
-use pneudrive_analysis::tuning::{
+use pneudrive_evaluate::wanted::Wanted;
+use pneudrive_optimise::tuning::search::Budget;
+use pneudrive_optimise::tuning::{
     self, Behaviour, Progress, Relative, Stage, Task, behaviour, report, tune_while,
 };
-use pneudrive_analysis::wanted::Wanted;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 

@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use anyhow::{Context, Result};
-use pneudrive_analysis::measured_points::{Deviation, Points};
-use pneudrive_analysis::page::{Curve, Look};
-use pneudrive_sim::characteristics::Characteristic;
+use pneudrive_report::{Curve, Look};
+use pneudrive_thesis::characteristics::Characteristic;
+use pneudrive_thesis::measured_points::{Deviation, Points};
 
 use super::digits::significant;
 use crate::command::eval::column;

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use anyhow::{Error, Result, bail};
-use pneudrive_analysis::identification::plan::{self, Bench, NEEDS_PRESSURES, Recorded};
 use pneudrive_controller::parameters::id;
+use pneudrive_identify::plan::{self, Bench, NEEDS_PRESSURES, Recorded};
 use pneudrive_link::client::Client;
 use pneudrive_records::target::TargetFile;
 use pneudrive_records::units::lacks_pressures;

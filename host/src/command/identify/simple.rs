@@ -3,13 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
-use pneudrive_analysis::identification::conductance::Path as Conductance;
-use pneudrive_analysis::identification::figures::Figure;
-use pneudrive_analysis::identification::regression::Line;
-use pneudrive_analysis::identification::report;
-use pneudrive_analysis::identification::tubing::drop_slope;
-use pneudrive_analysis::page::Table;
+use pneudrive_identify::conductance::Path as Conductance;
+use pneudrive_identify::figures::Figure;
+use pneudrive_identify::regression::Line;
+use pneudrive_identify::report;
+use pneudrive_identify::tubing::drop_slope;
 use pneudrive_records::target::TargetFile;
+use pneudrive_report::Table;
 use pneudrive_sim::Rig;
 use pneudrive_sim::keys;
 use serde_json::json;

@@ -1,9 +1,9 @@
 //! `pneudrive rig check`.
 
 use anyhow::{Result, anyhow};
-use pneudrive_analysis::runnable::{Obstacle, Remedy, obstacle};
-use pneudrive_analysis::sensitivity::{Effect, Sensitivity, sensitivity};
 use pneudrive_design::values;
+use pneudrive_optimise::runnable::{Obstacle, Remedy, obstacle};
+use pneudrive_optimise::sensitivity::{Effect, Sensitivity, sensitivity};
 use pneudrive_sim::Rig;
 use pneudrive_sim::rig::{Source, builtin};
 use serde_json::{Value, json};

@@ -29,7 +29,13 @@ pub enum FlowLaw {
 }
 
 impl FlowLaw {
-    /// psi from `upstream` to `downstream` (Exner pressures) with its slopes.
+    /// psi from `upstream` to `downstream` (Exner pressures).
+    #[must_use]
+    pub fn psi(&self, gas: &Gas, upstream: f64, downstream: f64) -> f64 {
+        self.flow_function(gas, upstream, downstream).value
+    }
+
+    /// The same with its slopes.
     #[inline(always)]
     pub(crate) fn flow_function<N: Number>(&self, gas: &Gas, upstream: N, downstream: N) -> FlowFunction<N> {
         match self {

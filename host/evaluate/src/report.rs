@@ -1,0 +1,119 @@
+//! The page of transients: position with setpoint, both pressures, spool, command and error over a common time axis.
+
+use crate::transient::{COMMAND, Transient};
+use pneudrive_report::{Curve, Figure, Look, Page, Panel, Shade, Table};
+
+/// One row of graphs: title with unit, and the channels in it with their legends.
+const GRAPHS: [(&str, &[(usize, &str)]); 5] = [
+    ("position, mm", &[(0, "setpoint"), (1, "position")]),
+    ("pressures, kPa", &[(2, "P1"), (3, "P2")]),
+    ("spool, mm", &[(4, "spool")]),
+    ("command, counts", &[(5, "command")]),
+    ("error, counts", &[(6, "error")]),
+];
+
+/// A colour for each channel; transients differ by their dashes and shade.
+const COLOURS: [[&str; 7]; 3] = [
+    ["#7f7f7f", "#1f4e9c", "#c0392b", "#1e8449", "#6c3483", "#1f4e9c", "#935116"],
+    ["#b5b5b5", "#5b9bf0", "#f1948a", "#7dcea0", "#bb8fce", "#5b9bf0", "#e0a458"],
+    ["#d0d0d0", "#17a2b8", "#e67e22", "#9acd32", "#ff69b4", "#17a2b8", "#b8860b"],
+];
+
+/// The page of some transients, the first of which is the reference, under the tables of their deviations.
+#[must_use]
+pub fn page(title: &str, notes: Vec<String>, transients: &[Transient], tables: Vec<Table>) -> Page {
+    Page {
+        title: title.to_owned(),
+        notes,
+        tables,
+        figures: vec![Figure::over_time(panels(transients))],
+        runs: runs(transients),
+    }
+}
+
+/// Number and date of those transients that are runs of a folder, by name if there are several transients.
+#[must_use]
+pub fn runs(transients: &[Transient]) -> String {
+    let of = |transient: &Transient| {
+        let run = transient.numbered.as_ref()?;
+        let name = if transients.len() > 1 { format!("{}: ", transient.name) } else { String::new() };
+        Some(format!("{name}{run}"))
+    };
+    transients.iter().filter_map(of).collect::<Vec<_>>().join("; ")
+}
+
+/// The graphs of some transients, the first of which is the reference.
+#[must_use]
+pub fn panels(transients: &[Transient]) -> Vec<Panel> {
+    let curves = |channels: &[(usize, &str)]| {
+        let all = transients.iter().enumerate().flat_map(|(number, transient)| {
+            channels.iter().map(move |&(channel, label)| (number, transient, channel, label))
+        });
+        // The setpoint is the same for all.
+        all.filter(|(number, _, channel, _)| *number == 0 || *channel != 0)
+            .map(|(number, transient, channel, label)| curve(transient, number, channel, label))
+            .collect()
+    };
+    let bands = |channels: &[(usize, &str)]| {
+        let all = transients.iter().enumerate().flat_map(|(number, transient)| {
+            channels.iter().filter_map(move |&(channel, _)| shade(transient, number, channel))
+        });
+        all.collect()
+    };
+    let graphs = GRAPHS.iter();
+    let graphs = graphs
+        .map(|(title, channels)| Panel { bands: bands(channels), ..Panel::new(title, curves(channels)) });
+    graphs.chain(extra_panels(transients)).collect()
+}
+
+/// Graphs of the columns that not every trace has: title with unit, the end of their names, and the factor from the unit
+/// of the column.
+const EXTRA_GRAPHS: [(&str, &str, f64); 3] = [
+    ("pressures in the valve, kPa", "_pa", 1e-3),
+    ("temperatures in the valve, K", "_k", 1.0),
+    ("flows of the lands, g/s", "_kg_s", 1e3),
+];
+
+/// Those of [`EXTRA_GRAPHS`] of which a transient has a column.
+fn extra_panels(transients: &[Transient]) -> impl Iterator<Item = Panel> {
+    EXTRA_GRAPHS.iter().filter_map(|&(title, unit, factor)| {
+        let curves = transients.iter().flat_map(|transient| {
+            let of_unit = transient.extras.iter().filter(move |(extra, _)| extra.name.ends_with(unit));
+            of_unit.map(move |(extra, values)| {
+                let label = extra.name.trim_end_matches(unit).replace('_', " ");
+                let values = values.iter().map(|value| factor * value).collect();
+                Curve::new(&format!("{label}, {}", transient.name), transient.time.clone(), values)
+            })
+        });
+        let curves: Vec<Curve> = curves.collect();
+        (!curves.is_empty()).then(|| Panel::new(title, curves))
+    })
+}
+
+/// What a simulated run and its perturbed runs cover.
+fn shade(transient: &Transient, number: usize, channel: usize) -> Option<Shade> {
+    let band = transient.band.as_ref()?;
+    (!band.low[channel].is_empty()).then(|| Shade {
+        name: format!("{} and its perturbed runs", transient.name),
+        x: transient.time.clone(),
+        low: band.low[channel].clone(),
+        high: band.high[channel].clone(),
+        colour: COLOURS[number % COLOURS.len()][channel],
+        steps: channel == COMMAND,
+    })
+}
+
+fn curve(transient: &Transient, number: usize, channel: usize, label: &str) -> Curve {
+    Curve {
+        name: if channel == 0 { label.to_owned() } else { format!("{label}, {}", transient.name) },
+        x: transient.time.clone(),
+        y: transient.channels[channel].clone(),
+        look: match (matches!(channel, 0 | 5), number) {
+            (true, 0) => Look::Steps,
+            (true, _) => Look::DashedSteps,
+            (false, 0) => Look::Line,
+            (false, _) => Look::Dashed,
+        },
+        colour: Some(COLOURS[number % COLOURS.len()][channel]),
+    }
+}

@@ -1,0 +1,336 @@
+//! The comparison of a rig's model with recordings, as a sum of squares.
+//!
+//! The unknowns are the parameters and, for each recording, its initial state: position and pressures, which sensors
+//! resolve only to a count.
+
+use std::ops::Range;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use anyhow::{Result, ensure};
+use nalgebra::DVector;
+use pneudrive_sim::component::sensors::calibration::Calibration;
+use pneudrive_sim::follow::Reading;
+use pneudrive_sim::{Accuracy, Rig};
+
+use super::ChannelFit;
+use super::budget::Budget;
+use super::limits::Limit;
+use super::parameter::Parameter;
+use super::recording::{CHANNELS, Channel, Recording, STARTS, reading};
+use pneudrive_evaluate::parallel;
+use pneudrive_evaluate::wanted::{CALLED_OFF, Wanted};
+
+/// What u = 1 is of a quantity of an initial state, counts; its prior standard deviation.
+const COUNTS: f64 = 10.0;
+
+/// Longest step of a search along a quantity of an initial state, in u.
+const LONGEST_OF_START: f64 = 0.3;
+
+/// Root of the mean squared error of rounding to whole counts.
+pub(super) const ROUNDING: f64 = 0.288_675_134_594_812_9;
+
+/// Coulomb friction is not above stiction.
+const FRICTIONS: [(&str, &str); 3] = [
+    ("load.coulomb_extend_n", "load.static_extend_n"),
+    ("load.coulomb_retract_n", "load.static_retract_n"),
+    ("operator.coulomb_friction_n", "operator.static_friction_n"),
+];
+
+/// By how much of it, at least: what is equal but for rounding is no valid rig.
+const APART: f64 = 1e-9;
+
+/// The model, the data, and what is fitted.
+#[derive(Clone, Debug)]
+pub(super) struct Model<'a> {
+    /// At the file's values.
+    pub rig: Rig,
+    /// The data.
+    pub recordings: &'a [Recording],
+    /// The first of the unknowns, in the order of u.
+    pub parameters: Vec<Parameter>,
+    /// Of the runs.
+    accuracy: Accuracy,
+    /// sigma of each channel, counts.
+    pub noise: [f64; CHANNELS.len()],
+    /// Share of each recording that counts.
+    pub share: f64,
+    /// Whether the search is fine: derivatives from differences to both sides.
+    pub fine: bool,
+    /// Whether somebody waits for the fit.
+    pub wanted: Wanted<'a>,
+    /// Runs of a recording so far, counted together with those of its copies.
+    runs: Arc<AtomicUsize>,
+    /// What may be spent, likewise.
+    pub budget: Budget,
+}
+
+/// The rows of a channel of a recording among the residuals.
+pub(super) struct Block {
+    /// Place in [`CHANNELS`].
+    pub channel: usize,
+    /// The rows.
+    pub rows: Range<usize>,
+}
+
+/// A recording to be followed at a point.
+pub(super) struct Job<'u> {
+    /// The point.
+    pub u: &'u [f64],
+    /// Place of the recording.
+    pub recording: usize,
+}
+
+impl<'a> Model<'a> {
+    pub fn new(
+        rig: &Rig,
+        recordings: &'a [Recording],
+        parameters: Vec<Parameter>,
+        accuracy: Accuracy,
+    ) -> Model<'a> {
+        Model {
+            rig: rig.clone(),
+            recordings,
+            parameters,
+            accuracy,
+            noise: first_noise(recordings),
+            share: 1.0,
+            fine: false,
+            wanted: Wanted::ALWAYS,
+            runs: Arc::default(),
+            budget: Budget::default(),
+        }
+    }
+
+    /// The same of another rig.
+    pub fn of_rig(&self, rig: Rig) -> Model<'a> {
+        Model { rig, ..self.clone() }
+    }
+
+    /// The same with more parameters.
+    pub fn with(&self, more: &[Parameter]) -> Model<'a> {
+        Model { parameters: [&self.parameters[..], more].concat(), ..self.clone() }
+    }
+
+    /// How many numbers are unknown.
+    pub fn unknowns(&self) -> usize {
+        self.parameters.len() + STARTS * self.recordings.len()
+    }
+
+    /// Runs of a recording so far.
+    pub fn runs(&self) -> usize {
+        self.runs.load(Ordering::Relaxed)
+    }
+
+    /// The rig at a point.
+    ///
+    /// # Errors
+    /// When it is not valid.
+    pub fn rig_at(&self, u: &[f64]) -> Result<Rig> {
+        Ok(self.rig.with_numbers(&self.values_at(u).collect::<Vec<_>>())?)
+    }
+
+    /// The values of the parameters at a point, each with its key.
+    fn values_at(&self, u: &[f64]) -> impl Iterator<Item = (&'static str, f64)> {
+        self.parameters.iter().zip(u).map(|(parameter, &u)| (parameter.key.path, parameter.value(u)))
+    }
+
+    /// Why there are no residuals at a point: the first recording that cannot be followed, and its error. None where
+    /// there are.
+    pub fn failure(&self, u: &[f64]) -> Option<anyhow::Error> {
+        (0..self.recordings.len()).find_map(|recording| {
+            let failed = self.try_to_follow(&Job { u, recording }).err()?;
+            Some(failed.context(self.recordings[recording].name.clone()))
+        })
+    }
+
+    /// How far the initial state of a recording is off the measured one at a point, counts.
+    pub fn start_at(&self, u: &[f64], recording: usize) -> [f64; STARTS] {
+        let first = self.parameters.len() + STARTS * recording;
+        std::array::from_fn(|i| COUNTS * u[first + i])
+    }
+
+    /// The calibration errors at a point.
+    fn calibration_at(&self, u: &[f64]) -> Calibration {
+        let found = |path: &str| {
+            let place = self.parameters.iter().position(|parameter| parameter.key.path == path)?;
+            Some(self.parameters[place].value(u[place]))
+        };
+        Calibration::of(|key| found(key.path).unwrap_or_else(|| self.rig.get(key)))
+    }
+
+    fn samples(&self, recording: &Recording) -> usize {
+        (recording.commands.len() as f64 * self.share).ceil() as usize
+    }
+
+    fn try_to_follow(&self, job: &Job<'_>) -> Result<DVector<f64>> {
+        ensure!(self.wanted.now(), CALLED_OFF);
+        let recording = &self.recordings[job.recording];
+        self.runs.fetch_add(1, Ordering::Relaxed);
+        let start = recording.start(self.start_at(job.u, job.recording), &self.calibration_at(job.u));
+        let values = self.values_at(job.u).chain(start).collect::<Vec<_>>();
+        let rig = self.rig.with_numbers(&values)?;
+        let samples = self.samples(recording);
+        let (readings, spent) = recording.follow(&rig, self.accuracy, samples, Budget::of_a_run(samples));
+        self.budget.spend(spent);
+        let residuals = self.compare(recording, &readings?);
+        ensure!(residuals.iter().all(|r| r.is_finite()), "the model's readings are not finite numbers");
+        Ok(residuals)
+    }
+
+    /// The residuals of each job, on all cores.
+    pub fn follow_all(&self, jobs: &[Job<'_>]) -> Vec<Option<DVector<f64>>> {
+        parallel::map(jobs, |job| self.try_to_follow(job).ok(), |_| {})
+    }
+
+    fn taken<'r>(&self, recording: &'r Recording, channel: usize) -> &'r [usize] {
+        let taken = &recording.channels[channel].taken;
+        &taken[..taken.partition_point(|&k| k < self.samples(recording))]
+    }
+
+    /// Measured less model, in counts over sigma.
+    fn compare(&self, recording: &Recording, readings: &[Reading]) -> DVector<f64> {
+        let mut residuals = Vec::new();
+        for (channel, noise) in self.noise.iter().enumerate() {
+            let Channel { measured, .. } = &recording.channels[channel];
+            residuals.extend(self.taken(recording, channel).iter().map(|&k| {
+                let model = reading(&readings[k], channel);
+                (measured[k] - recording.channels[channel].counts(model)) / noise
+            }));
+        }
+        DVector::from_vec(residuals)
+    }
+
+    /// The rows of each recording among the residuals.
+    pub fn rows(&self) -> Vec<Range<usize>> {
+        let of_each = |blocks: &[Block]| blocks[0].rows.start..blocks[CHANNELS.len() - 1].rows.end;
+        self.blocks().chunks(CHANNELS.len()).map(of_each).collect()
+    }
+
+    /// The range of each channel within the residuals.
+    pub fn blocks(&self) -> Vec<Block> {
+        let mut start = 0;
+        let mut blocks = Vec::new();
+        for recording in self.recordings {
+            for channel in 0..CHANNELS.len() {
+                let rows = start..start + self.taken(recording, channel).len();
+                start = rows.end;
+                blocks.push(Block { channel, rows });
+            }
+        }
+        blocks
+    }
+
+    /// The rows of a channel, and what was measured there, counts.
+    pub fn rows_of_channel(&self, channel: usize) -> impl Iterator<Item = (usize, f64)> {
+        let blocks = self.blocks().into_iter().filter(move |block| block.channel == channel);
+        blocks.zip(self.recordings).flat_map(move |(block, recording)| {
+            let taken = self.taken(recording, channel).iter();
+            block.rows.zip(taken.map(move |&k| recording.channels[channel].measured[k]))
+        })
+    }
+
+    /// The mean square of the residuals at a point; infinite where there are none.
+    pub fn mean_square(&self, u: &[f64]) -> f64 {
+        self.residuals_at(u).map_or(f64::INFINITY, |r| r.norm_squared() / r.len() as f64)
+    }
+
+    /// The residuals of each channel.
+    pub fn channel_fits(&self, residuals: &DVector<f64>) -> [Option<ChannelFit>; CHANNELS.len()] {
+        std::array::from_fn(|channel| {
+            let blocks = self.blocks().into_iter().filter(|block| block.channel == channel);
+            let (mut samples, mut squares, mut products) = (0, 0.0, 0.0);
+            for block in blocks {
+                let of = &residuals.as_slice()[block.rows];
+                samples += of.len();
+                squares += of.iter().map(|r| r * r).sum::<f64>();
+                products += of.windows(2).map(|pair| pair[0] * pair[1]).sum::<f64>();
+            }
+            let after = self.noise[channel] * (squares / samples as f64).sqrt();
+            (samples > 1).then_some(ChannelFit {
+                samples,
+                before: after,
+                after,
+                correlation: products / squares,
+                noise: self.noise[channel],
+            })
+        })
+    }
+
+    /// Standard deviation of an unknown before there are data, in u.
+    pub fn prior(&self, unknown: usize) -> f64 {
+        self.parameters.get(unknown).map_or(1.0, |parameter| parameter.prior)
+    }
+
+    /// Longest step of a search along an unknown, in u.
+    pub fn longest(&self, unknown: usize) -> f64 {
+        self.parameters.get(unknown).map_or(LONGEST_OF_START, |parameter| parameter.longest)
+    }
+
+    /// The residuals at a point, and after them the terms of the unknowns; None where it cannot be evaluated.
+    pub fn residuals_at(&self, u: &[f64]) -> Option<DVector<f64>> {
+        let jobs: Vec<_> = (0..self.recordings.len()).map(|recording| Job { u, recording }).collect();
+        let mut parts = self.follow_all(&jobs).into_iter().collect::<Option<Vec<_>>>()?;
+        parts.push(DVector::from_iterator(u.len(), u.iter().enumerate().map(|(i, u)| u / self.prior(i))));
+        Some(stacked(parts))
+    }
+
+    /// What parameters keep: the ranges of their keys, and Coulomb friction below stiction.
+    pub fn limits(&self) -> Vec<Limit> {
+        let ranges = self.parameters.iter().enumerate().flat_map(|(i, parameter)| {
+            let [low, high] = parameter.limits();
+            [Limit::at_least(i, low), Limit::at_most(i, high)]
+        });
+        let frictions = FRICTIONS.iter().filter_map(|(coulomb, stiction)| self.below(coulomb, stiction));
+        ranges.chain(frictions).filter(|limit| limit.bound.is_finite()).collect()
+    }
+
+    /// The value of one key is not above that of another, where either is fitted.
+    fn below(&self, low: &str, high: &str) -> Option<Limit> {
+        let place = |path: &str| self.parameters.iter().position(|parameter| parameter.key.path == path);
+        match (place(low), place(high)) {
+            (Some(low), Some(high)) => {
+                let bound = (self.parameters[high].start / self.parameters[low].start).ln() - APART;
+                Some(Limit { above: Some(low), below: Some(high), bound })
+            }
+            (Some(i), None) => Some(Limit::at_most(
+                i,
+                self.parameters[i].u(self.rig.number_at(high).unwrap_or(f64::INFINITY)) - APART,
+            )),
+            (None, Some(i)) => Some(Limit::at_least(
+                i,
+                self.parameters[i].u(self.rig.number_at(low).unwrap_or(f64::NEG_INFINITY)) + APART,
+            )),
+            (None, None) => None,
+        }
+    }
+}
+
+/// Scatter of a channel in all rests together.
+pub(super) fn rest(recordings: &[Recording], channel: usize) -> super::recording::Rest {
+    let mut sum = super::recording::Rest::default();
+    for recording in recordings {
+        sum.squares += recording.channels[channel].rest.squares;
+        sum.freedom += recording.channels[channel].rest.freedom;
+    }
+    sum
+}
+
+/// What the search begins with, counts. Under a dither the rests do not tell the noise of the spool, which sticks and
+/// slips; its converter is taken to be as good as those of the pressures.
+pub(super) fn first_noise(recordings: &[Recording]) -> [f64; CHANNELS.len()] {
+    let mut noise = std::array::from_fn(|channel| noise_at_rest(recordings, channel));
+    noise[3] = noise[3].min(noise[1].max(noise[2]));
+    noise
+}
+
+/// Of a channel, counts; not less than rounding.
+pub(super) fn noise_at_rest(recordings: &[Recording], channel: usize) -> f64 {
+    let rest = rest(recordings, channel);
+    (rest.squares / rest.freedom.max(1.0)).sqrt().max(ROUNDING)
+}
+
+/// One below the other.
+pub(super) fn stacked(parts: Vec<DVector<f64>>) -> DVector<f64> {
+    DVector::from_vec(parts.iter().flat_map(|part| part.iter().copied()).collect())
+}

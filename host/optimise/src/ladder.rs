@@ -1,0 +1,396 @@
+//! The ladder of fidelity: what each model of a component costs, and what it changes (thesis 8.3).
+//!
+//! The reference is the rig with all that its file leaves out or simplifies switched on, as far as no figure is
+//! needed that the file lacks. On each rung one component has another model. Costs are counted: evaluations of
+//! the right-hand side and solutions of the flows, times of this machine beside them.
+
+use std::time::Duration;
+
+use anyhow::{Result, anyhow, bail};
+use pneudrive_records::judged::{Judged, Spacing};
+use pneudrive_sim::component::{friction, operator, valve};
+use pneudrive_sim::key::Choice;
+use pneudrive_sim::keys;
+use pneudrive_sim::{Accuracy, Convergence, Rig, run};
+
+use crate::ensemble::run_ensemble;
+use pneudrive_evaluate::deviation::{Deviation, deviations};
+use pneudrive_evaluate::range::with_range;
+use pneudrive_evaluate::transient::{CHANNELS, POSITION, PRESSURES, Transient};
+use pneudrive_report::{COLOURS, Curve, Figure, Look, Page, Panel, Table};
+
+/// A component and its models, the most complete one first: its name, and its keys.
+type Component = (&'static str, &'static [(&'static str, &'static [&'static str])]);
+
+/// All of them. A model that a rig cannot have is left out.
+const COMPONENTS: [Component; 9] = [
+    (
+        "valve",
+        &[
+            ("flow node", &["valve.model=flow-node"]),
+            ("multiple flow node", &["valve.model=multiple-flow-node"]),
+            ("single restriction", &["valve.model=single-restriction"]),
+        ],
+    ),
+    (
+        "approach velocity",
+        &[("counts", &["valve.upstream_mach=true"]), ("neglected", &["valve.upstream_mach=false"])],
+    ),
+    (
+        "flow force",
+        &[
+            ("analytical", &["valve.flow_force=analytical"]),
+            ("experimental", &["valve.flow_force=experimental"]),
+            ("none", &["valve.flow_force=none"]),
+        ],
+    ),
+    (
+        "discharge",
+        &[("constant", &["valve.discharge_model=constant"]), ("Perry", &["valve.discharge_model=perry"])],
+    ),
+    (
+        "tubing",
+        &[
+            ("empirical", &["tubing.model=empirical"]),
+            ("analytical, 1 m", &["tubing.model=analytical"]),
+            ("none", &["tubing.model=none"]),
+        ],
+    ),
+    (
+        "operator",
+        &[("solenoid", &["operator.model=solenoid"]), ("empirical", &["operator.model=solenoid-empirical"])],
+    ),
+    (
+        "friction of the spool",
+        &[
+            ("stick and slip", &[]),
+            ("none", &["operator.static_friction_n=0.0", "operator.coulomb_friction_n=0.0"]),
+        ],
+    ),
+    ("hysteresis", &[("magnetic", &[]), ("none", &["operator.hysteresis_percent=0.0"])]),
+    ("controller", &[("sampled", &[]), ("continuous", &["controller.model=continuous"])]),
+];
+
+/// Times that a rung and the reference are run for their times.
+const TIMES: usize = 3;
+
+/// A model of a component, run.
+#[derive(Clone, Debug)]
+pub struct Rung {
+    /// The component; "" for the whole rig.
+    pub component: &'static str,
+    /// Its model.
+    pub model: &'static str,
+    /// Evaluations of the right-hand side a sample.
+    pub evaluations: f64,
+    /// Iterations over the flows a sample.
+    pub flow_iterations: f64,
+    /// Time of a run over that of the reference, which was run before it each time: of the shortest runs of both, then
+    /// the least and the most of a pair.
+    pub time_over_reference: [f64; 3],
+    /// What it differs by from the reference: the nominal run first, then each perturbed run from the same perturbed run of the
+    /// reference.
+    pub deviations: Vec<Vec<Deviation>>,
+    /// The transient.
+    pub transient: Transient,
+    /// Whether it is converged.
+    pub convergence: Convergence,
+}
+
+/// What is run on a rung.
+#[derive(Clone, Debug)]
+struct Plan {
+    component: &'static str,
+    model: &'static str,
+    rig: Rig,
+}
+
+/// The rungs of a rig: the reference first, then the file's own models, then each other model of each component, each
+/// with its perturbed runs. `clock` tells the time since some instant, and `progress` is given the rungs done and all rungs.
+///
+/// # Errors
+/// When a rung cannot be simulated, or `progress` wants no more.
+pub fn climb(
+    source: &(String, String),
+    settings: &[String],
+    spacing: Spacing,
+    clock: impl Fn() -> Duration,
+    mut progress: impl FnMut(usize, usize) -> Result<()>,
+) -> Result<Vec<Rung>> {
+    let plans = plans(source, settings)?;
+    let mut runs = Vec::with_capacity(plans.len());
+    for plan in &plans {
+        runs.push(Climbed::of(plan, &plans[0], spacing, &clock)?);
+        progress(runs.len(), plans.len())?;
+    }
+    let references = runs[0].transients.clone();
+    let mut rungs: Vec<Rung> =
+        plans.iter().zip(runs).map(|(plan, climbed)| climbed.rung(plan, &references)).collect();
+    // What the perturbed runs alone make of a transient: a difference of a model that is no larger says nothing.
+    rungs[0].deviations = references.iter().map(|other| deviations(&references[0], other)).collect();
+    Ok(rungs)
+}
+
+/// A rung that has been run.
+struct Climbed {
+    nominal: Judged,
+    time_over_reference: [f64; 3],
+    /// The nominal one and its perturbed runs'.
+    transients: Vec<Transient>,
+}
+
+impl Climbed {
+    fn of(plan: &Plan, reference: &Plan, spacing: Spacing, clock: &impl Fn() -> Duration) -> Result<Climbed> {
+        let name = if plan.component.is_empty() {
+            plan.model.to_owned()
+        } else {
+            format!("{}: {}", plan.component, plan.model)
+        };
+        // Alone, as what else runs would be in its time.
+        let time_over_reference = timed(plan, reference, clock)?;
+        let transient = |rig: &Rig, run: &_| Transient::of_simulation(&name, rig, run);
+        let ensemble = run_ensemble(&plan.rig, Accuracy::of(&plan.rig), spacing, transient, |_, _| {})?;
+        if let Some(why) = ensemble.nominal.lost.failed.first() {
+            bail!("{name}: a perturbed run cannot be simulated; write a smaller --change: {why}");
+        }
+        Ok(Climbed { nominal: ensemble.nominal, time_over_reference, transients: ensemble.measured })
+    }
+
+    fn rung(mut self, plan: &Plan, references: &[Transient]) -> Rung {
+        let run = &self.nominal.run;
+        let samples = run.observations.len().max(1) as f64;
+        let pairs = references.iter().zip(&self.transients);
+        Rung {
+            component: plan.component,
+            model: plan.model,
+            evaluations: run.work.integrator.n_rhs_evaluations as f64 / samples,
+            flow_iterations: run.work.network.iterations as f64 / samples,
+            time_over_reference: self.time_over_reference,
+            deviations: pairs.map(|(reference, transient)| deviations(reference, transient)).collect(),
+            convergence: self.nominal.convergence,
+            transient: self.transients.swap_remove(0),
+        }
+    }
+}
+
+fn plans(source: &(String, String), settings: &[String]) -> Result<Vec<Plan>> {
+    let read = |more: &[&str]| {
+        let all: Vec<String> =
+            settings.iter().cloned().chain(more.iter().map(|&one| one.to_owned())).collect();
+        Rig::read_with(&source.0, &source.1, &all)
+    };
+    let file = read(&[])?;
+    // As far as the rig can have it.
+    let mut complete: Vec<&str> = Vec::new();
+    for (_, models) in COMPONENTS {
+        let with: Vec<&str> = complete.iter().chain(models[0].1).copied().collect();
+        if applies(&file, models[0].1) && read(&with).is_ok() {
+            complete = with;
+        }
+    }
+    let reference = read(&complete)?;
+    let mut plans = vec![
+        Plan { component: "", model: "complete", rig: reference.clone() },
+        Plan { component: "", model: "as in the file", rig: file },
+    ];
+    for (component, models) in COMPONENTS {
+        for (model, keys) in &models[1..] {
+            let with: Vec<&str> = complete.iter().chain(*keys).copied().collect();
+            if applies(&reference, keys)
+                && let Ok(rig) = read(&with)
+                && rig != reference
+            {
+                plans.push(Plan { component, model, rig });
+            }
+        }
+    }
+    plans.extend(frictions(&reference));
+    Ok(plans)
+}
+
+/// The rungs of the other models of the load's friction.
+fn frictions(reference: &Rig) -> impl Iterator<Item = Plan> {
+    let key = &keys::friction::FRICTION;
+    let own = reference.get(key).word();
+    let others = friction::Model::WORDS.iter().map(|(model, _)| *model).filter(move |model| *model != own);
+    others.filter_map(move |model| {
+        let rig = reference.with_settings(&[format!("{}={model}", key.path)]).ok()?;
+        Some(Plan { component: "friction of the load", model, rig })
+    })
+}
+
+/// Whether the keys mean something on a rig as it is: an operator that it has, a valve that has a node.
+fn applies(rig: &Rig, settings: &[&str]) -> bool {
+    let operator = rig.get(&keys::operator::MODEL);
+    settings.iter().all(|setting| match setting.split_once('=') {
+        Some(("valve.model", _)) => {
+            !matches!(rig.get(&keys::valve::MODEL), valve::Model::Iso6358 | valve::Model::FlowMap)
+        }
+        Some(("valve.flow_force", "none")) => true,
+        Some(("valve.flow_force" | "operator.model", _)) => operator.is_solenoid(),
+        Some((path, _)) if path.starts_with("operator.") => operator == operator::Model::Solenoid,
+        _ => true,
+    })
+}
+
+/// [`Rung::time_over_reference`]. Whatever else the machine does meets both runs of a pair, or shows as a range.
+fn timed(plan: &Plan, reference: &Plan, clock: &impl Fn() -> Duration) -> Result<[f64; 3]> {
+    let once = |plan: &Plan| {
+        let begun = clock();
+        run(&plan.rig, Accuracy::of(&plan.rig))
+            .map_err(|error| anyhow!("{} {}: {error}", plan.component, plan.model))?;
+        Ok::<_, anyhow::Error>((clock() - begun).as_secs_f64())
+    };
+    let pairs: Vec<[f64; 2]> =
+        (0..TIMES).map(|_| Ok([once(reference)?, once(plan)?])).collect::<Result<_>>()?;
+    Ok(ratios(&pairs))
+}
+
+/// Of pairs of times the ratio of the shortest ones, then the least and the most ratio of a pair; the first lies between
+/// the others.
+fn ratios(pairs: &[[f64; 2]]) -> [f64; 3] {
+    let shortest = |which: usize| pairs.iter().map(|pair| pair[which]).fold(f64::INFINITY, f64::min);
+    let all = pairs.iter().map(|[reference, own]| own / reference);
+    [shortest(1) / shortest(0), all.clone().fold(f64::INFINITY, f64::min), all.fold(0.0, f64::max)]
+}
+
+/// The page.
+#[must_use]
+pub fn page(name: &str, rungs: &[Rung]) -> Page {
+    let cost = Figure {
+        heading: "what a model costs, and what it changes".to_owned(),
+        across: "evaluations of the right-hand side per sample".to_owned(),
+        panels: vec![Panel {
+            title: "largest difference of the position, mm".to_owned(),
+            curves: rungs[1..].iter().map(place).collect(),
+            ..Panel::default()
+        }],
+        ..Figure::default()
+    };
+    let drawn = [POSITION, PRESSURES[0], PRESSURES[1]].map(|channel| {
+        let curves = rungs.iter().zip(COLOURS.iter().cycle()).map(|(rung, colour)| {
+            let transient = &rung.transient;
+            let (x, y) = (transient.time.clone(), transient.channels[channel].clone());
+            Curve { colour: Some(colour), ..Curve::new(&transient.name, x, y) }
+        });
+        Panel::new(&format!("{}, {}", CHANNELS[channel].0, CHANNELS[channel].1), curves.collect())
+    });
+    let transients = Figure { heading: "the transients".to_owned(), ..Figure::over_time(drawn.to_vec()) };
+    Page {
+        title: format!("{name}: the ladder of fidelity"),
+        notes: vec![
+            "The reference has every model in the most complete form for which the rig file has figures. On each rung one component has another model, with defaults for the keys that the file lacks; its transient is compared with that of the reference. In closed loop the controller reduces a difference of the position; --set controller.loop=open, with moves as commands, shows it without a controller.".to_owned(),
+            "In brackets: the range over perturbed runs of both, whose mass and starting position differ very slightly. The first row shows how far the perturbed runs of the reference are from it: a difference of that size says nothing about a model.".to_owned(),
+            format!("Evaluations and iterations are counted and the same on every machine. Times are of the machine that made this page, relative to the reference, which was run beside each rung: the ratio of the shortest of {TIMES} runs of both and, in brackets, the least and the largest ratio of a pair. A wide range means that the machine was busy."),
+        ],
+        tables: vec![table(rungs)],
+        figures: vec![cost, transients],
+        ..Page::default()
+    }
+}
+
+fn place(rung: &Rung) -> Curve {
+    let x = vec![rung.evaluations];
+    Curve { look: Look::Points, ..Curve::new(&rung.transient.name, x, vec![largest(rung, POSITION)]) }
+}
+
+/// A figure of the deviation of a channel, in each run of the ensemble.
+fn figures(rung: &Rung, channel: usize, figure: impl Fn(&Deviation) -> f64) -> Vec<Option<f64>> {
+    let of =
+        |found: &Vec<Deviation>| found.iter().find(|one| one.channel == CHANNELS[channel].0).map(&figure);
+    rung.deviations.iter().map(of).collect()
+}
+
+fn largest(rung: &Rung, channel: usize) -> f64 {
+    figures(rung, channel, |one| one.largest).first().copied().flatten().unwrap_or(f64::NAN)
+}
+
+/// The rungs in figures.
+#[must_use]
+pub fn table(rungs: &[Rung]) -> Table {
+    let columns = [
+        "component",
+        "model",
+        "evaluations per sample",
+        "flow iterations per sample",
+        "time, %",
+        "position rms, mm",
+        "largest, mm",
+        "P1 rms, kPa",
+        "P2 rms, kPa",
+        "converged",
+    ];
+    let rms = |rung: &Rung, channel: usize, decimals: usize| {
+        with_range(&figures(rung, channel, |one| one.mean_square.sqrt()), decimals)
+    };
+    let row = |rung: &Rung| {
+        vec![
+            if rung.component.is_empty() { "all".to_owned() } else { rung.component.to_owned() },
+            rung.model.to_owned(),
+            format!("{:.1}", rung.evaluations),
+            format!("{:.1}", rung.flow_iterations),
+            with_range(&rung.time_over_reference.map(|time| Some(100.0 * time)), 0),
+            rms(rung, POSITION, 4),
+            with_range(&figures(rung, POSITION, |one| one.largest), 4),
+            rms(rung, PRESSURES[0], 3),
+            rms(rung, PRESSURES[1], 3),
+            if rung.convergence.is_converged() { "yes" } else { "no" }.to_owned(),
+        ]
+    };
+    Table {
+        heading: "models of the components, one at a time".to_owned(),
+        columns: columns.map(str::to_owned).to_vec(),
+        rows: rungs.iter().map(row).collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use pneudrive_sim::rig::{BUILTIN, builtin};
+
+    fn source(rig: &str) -> (String, String) {
+        (rig.to_owned(), builtin(rig).expect("a built-in rig").to_owned())
+    }
+
+    #[test]
+    fn each_rung_is_the_reference_with_one_component_changed() {
+        for (name, _) in BUILTIN {
+            let plans = plans(&source(name), &[]).unwrap_or_else(|error| panic!("{name}: {error:#}"));
+            assert_eq!((plans[0].model, plans[1].model), ("complete", "as in the file"));
+            assert!(plans.len() >= 6, "{name}: {}", plans.len());
+            for rung in &plans[2..] {
+                let value = |rig: &Rig, path| rig.value(path).cloned();
+                let changed: Vec<&str> = rung
+                    .rig
+                    .entries()
+                    .filter(|(key, new)| value(&plans[0].rig, key.path).as_ref() != Some(new))
+                    .map(|(key, _)| key.path)
+                    .collect();
+                assert!((1..=2).contains(&changed.len()), "{name}, {}: {changed:?}", rung.model);
+            }
+        }
+    }
+
+    #[test]
+    fn a_time_is_that_of_the_shortest_runs_with_the_range_of_the_pairs() {
+        assert_eq!(ratios(&[[2.0, 1.0], [1.0, 3.0], [8.0, 16.0]]), [1.0, 0.5, 3.0]);
+    }
+
+    #[test]
+    fn an_operator_without_its_spool_costs_less_and_every_other_model_changes_something() {
+        let settings = ["test.duration_s=0.4".to_owned()];
+        let spacing = Spacing { runs: 2, ..Spacing::default() };
+        let begun = std::time::Instant::now();
+        let clock = || begun.elapsed();
+        let rungs = climb(&source("servo-b-tuned"), &settings, spacing, clock, |_, _| Ok(())).expect("runs");
+        assert_eq!(largest(&rungs[0], POSITION), 0.0, "the reference is itself");
+        assert!(rungs[0].deviations.len() == 2 && rungs[0].convergence.is_converged());
+        let empirical = rungs.iter().find(|rung| rung.component == "operator").expect("a rung");
+        assert!(empirical.evaluations < rungs[0].evaluations / 2.0, "{:.1}", empirical.evaluations);
+        for rung in rungs[1..].iter() {
+            assert!(largest(rung, POSITION) > 0.01, "{}: {}", rung.component, rung.model);
+        }
+        assert_eq!(table(&rungs).rows.len(), rungs.len());
+    }
+}

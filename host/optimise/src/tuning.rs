@@ -1,0 +1,221 @@
+//! Gains for a drive: a step there and back, on rigs and at positions drawn from a stated spread.
+//!
+//! ```text
+//! genes in [0, 1] -> gains, windows, dither, null -> runs of the step on draws from the spread -> mean cost
+//!        ^______________________ differential evolution _______________________________________________|
+//! the best few -> perturbed runs of the file's rig -> the one with the least cost -> fresh draws -> how often it meets the goal
+//! ```
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`behaviour`] | what the gains do beside the goal: the step along the stroke, sines |
+//! | [`gains`] | the design variables, in units that suit every rig, and the keys that they set |
+//! | [`fixed`] | which keys a user may fix |
+//! | [`goal`] | the goal of a step, and the cost of a run |
+//! | [`spread`] | the rigs that the drive may turn out to be, and the positions and directions of its steps |
+//! | [`stroke`] | the step at five positions of the stroke |
+//! | [`tracking`] | sines with the gains that were found, and what limits how they are followed |
+//! | [`trial`] | the step on a rig |
+//! | [`mod@search`] | differential evolution |
+//! | [`drive`] | candidates on many rigs, and how far that is |
+//! | [`limiting_imperfection`] | which parameter of the rig is in the way |
+//! | [`proportion`] | how often a goal is met, and how well that is known |
+//! | [`report`] | the page, and the rig file |
+//!
+//! The same seed finds the same gains, whatever the number of threads.
+
+pub mod behaviour;
+mod design_variable;
+pub mod drive;
+pub mod fixed;
+pub mod gains;
+pub mod goal;
+pub mod limiting_imperfection;
+pub mod proportion;
+pub mod report;
+pub mod search;
+pub mod spread;
+pub mod stroke;
+pub mod tracking;
+pub mod trial;
+
+use anyhow::Result;
+
+pub use behaviour::Behaviour;
+pub use drive::{Progress, Stage};
+pub use gains::{Optimum, Space};
+pub use goal::{Goal, Performance};
+pub use limiting_imperfection::LimitingImperfection;
+pub use proportion::Proportion;
+pub use spread::{Relative, Variant};
+
+use drive::{Drive, Meter};
+use pneudrive_evaluate::wanted::Wanted;
+use search::Budget;
+
+/// What is to be done.
+#[derive(Clone, Debug)]
+pub struct Task {
+    /// The rig file, for messages, and its text.
+    pub source: (String, String),
+    /// Keys that are typed, as `key=value`.
+    pub settings: Vec<String>,
+    /// Keys that no search changes, as `key=value`.
+    pub fixed: Vec<String>,
+    /// What is asked of a step.
+    pub goal: Goal,
+    /// By how much the rig may be another one.
+    pub spread: Relative,
+    /// Lowest and highest position of a step, mm; None: as far as the rig allows.
+    pub between_mm: [Option<f64>; 2],
+    /// How many draws the gains are judged on.
+    pub draws: usize,
+    /// How long is looked for; no generation: the gains of the file are judged.
+    pub budget: Budget,
+}
+
+impl Task {
+    /// The same without a search, judged on one draw: how long its runs take tells how long those of all take at most.
+    #[must_use]
+    pub fn taste(&self) -> Task {
+        Task { draws: 1, budget: Budget { generations: 0, ..self.budget }, ..self.clone() }
+    }
+
+    /// Runs that it takes at most: no candidate is given up early, and every suspect is looked at.
+    ///
+    /// # Errors
+    /// When the rig has no gains to look for.
+    pub fn max_runs(&self) -> Result<usize> {
+        let drive = Drive::of(self, &[], Wanted::ALWAYS)?;
+        let each = spread::tuned_on(&self.spread, self.budget.seed).len();
+        let finalists = (FINALISTS + 1) * (each + trial::MEMBERS);
+        let of_suspect = limiting_imperfection::budget(&self.budget).runs(each) + each + self.draws;
+        let suspects = match self.budget.generations {
+            0 => 0,
+            _ => limiting_imperfection::suspects(&drive.trial.rig).len(),
+        };
+        Ok(self.budget.runs(each) + finalists + 2 * self.draws + suspects * of_suspect)
+    }
+}
+
+/// Gains and what they do.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Found {
+    /// As `key=value`; none: those of the file.
+    pub settings: Vec<String>,
+    /// Where they lie in the ranges that were searched; none: those of the file.
+    pub places: Vec<Optimum>,
+    /// On what they were tuned on.
+    pub tuned_on: Vec<Performance>,
+    /// On the rig of the file and its perturbed runs; none where that was not looked at.
+    pub members: Vec<Performance>,
+    /// On the fresh draws.
+    pub fresh: Vec<Performance>,
+}
+
+impl Found {
+    /// Mean cost of what they were tuned on, and of the worst of the perturbed runs of the file's rig.
+    #[must_use]
+    pub fn cost(&self, goal: &Goal) -> f64 {
+        let worst = self.members.iter().map(|one| one.cost(goal)).reduce(f64::max);
+        let all = self.tuned_on.iter().map(|one| one.cost(goal)).chain(worst);
+        all.sum::<f64>() / (self.tuned_on.len() + usize::from(worst.is_some())) as f64
+    }
+
+    /// On how many of the fresh draws the goal is met.
+    #[must_use]
+    pub fn met(&self, goal: &Goal) -> Proportion {
+        goal.met_in(&self.fresh)
+    }
+}
+
+/// What came out.
+#[derive(Clone, Debug)]
+pub struct Tuned {
+    /// What gains were tuned on; the first one is the rig of the file.
+    pub tuned_on: Vec<Variant>,
+    /// What gains are judged on.
+    pub fresh: Vec<Variant>,
+    /// The gains of the file.
+    pub before: Found,
+    /// The gains that were found; those of the file, if no better ones were.
+    pub after: Found,
+    /// The best cost of each generation.
+    pub progress: Vec<f64>,
+    /// What is in the way, if the goal is not met.
+    pub obstacles: Vec<LimitingImperfection>,
+    /// Runs in all.
+    pub runs: usize,
+}
+
+impl Tuned {
+    /// Whether other gains than those of the file were found.
+    #[must_use]
+    pub fn is_changed(&self) -> bool {
+        !self.after.settings.is_empty()
+    }
+}
+
+/// So many of the last generation are checked with the perturbed runs of the file's rig.
+const FINALISTS: usize = 3;
+
+/// Looks for gains, and tells `progress` how far it is.
+///
+/// # Errors
+/// When the rig has no gains to look for, a key cannot be held, or the step does not fit into its stroke.
+pub fn tune(task: &Task, progress: impl FnMut(Progress) + Send) -> Result<Tuned> {
+    tuned(task, progress, Wanted::ALWAYS)
+}
+
+/// The same, as long as it is `wanted`: None once it is not.
+///
+/// # Errors
+/// As [`tune`].
+pub fn tune_while(
+    task: &Task,
+    progress: impl FnMut(Progress) + Send,
+    wanted: Wanted<'_>,
+) -> Result<Option<Tuned>> {
+    let tuned = tuned(task, progress, wanted)?;
+    Ok(wanted.now().then_some(tuned))
+}
+
+fn tuned(task: &Task, mut progress: impl FnMut(Progress) + Send, wanted: Wanted<'_>) -> Result<Tuned> {
+    fixed::check(task)?;
+    let drive = Drive::of(task, &[], wanted)?;
+    let (tuned_on, fresh) = (
+        spread::tuned_on(&task.spread, task.budget.seed),
+        spread::fresh(&task.spread, task.budget.seed, task.draws),
+    );
+    let mut meter = Meter::new(&mut progress);
+    meter.begin(Stage::Search, task.budget.runs(tuned_on.len()));
+    let outcome = drive.search(&task.budget, &[], &tuned_on, &mut meter);
+    let finalists = &outcome.population[..outcome.population.len().min(FINALISTS)];
+    let finalists: Vec<Option<&[f64]>> =
+        std::iter::once(None).chain(finalists.iter().map(|shares| Some(shares.as_slice()))).collect();
+    meter.begin(Stage::Finalists, finalists.len() * (tuned_on.len() + trial::MEMBERS));
+    let mut finalists: Vec<Found> =
+        finalists.iter().map(|shares| drive.finalist(*shares, &tuned_on, &mut meter)).collect();
+    let best = (0..finalists.len())
+        .min_by(|&a, &b| finalists[a].cost(&task.goal).total_cmp(&finalists[b].cost(&task.goal)));
+    let mut after = finalists.swap_remove(best.unwrap_or(0));
+    let mut before = if after.settings.is_empty() { after.clone() } else { finalists.swap_remove(0) };
+    meter.begin(Stage::Draws, fresh.len() * if after.settings.is_empty() { 1 } else { 2 });
+    after.fresh = drive.judged(&after.settings, &fresh, &mut meter);
+    before.fresh = if after.settings.is_empty() {
+        after.fresh.clone()
+    } else {
+        drive.judged(&before.settings, &fresh, &mut meter)
+    };
+    let met = after.met(&task.goal);
+    let obstacles = if met.met < met.of && task.budget.generations > 0 {
+        limiting_imperfection::search(task, &drive, &outcome.population, [&tuned_on, &fresh], &mut meter)?
+    } else {
+        Vec::new()
+    };
+    let runs = meter.runs();
+    Ok(Tuned { tuned_on, fresh, before, after, progress: outcome.history, obstacles, runs })
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,49 @@
+//! What a drive does with its gains, beside the goal: the step along the stroke, and sines.
+
+use anyhow::{Context, Result};
+
+use super::stroke::{AtPlace, along_the_stroke};
+use super::tracking::{self, Tracked, tracked};
+use super::{Progress, Task, Tuned};
+use pneudrive_evaluate::wanted::{CALLED_OFF, Wanted};
+
+/// What a drive does with its gains.
+#[derive(Clone, Debug)]
+pub struct Behaviour {
+    /// The step along the stroke, with the gains that were found.
+    pub steps: Vec<AtPlace>,
+    /// Sines, with those of the file as well.
+    pub sines: Vec<Tracked>,
+}
+
+impl Behaviour {
+    /// That of a tuning; `progress` is told of the sines.
+    ///
+    /// # Errors
+    /// When it cannot be simulated.
+    pub fn of(task: &Task, tuned: &Tuned, progress: impl FnMut(Progress) + Send) -> Result<Behaviour> {
+        let behaviour = Behaviour::of_while(task, tuned, progress, Wanted::ALWAYS)?;
+        behaviour.context(CALLED_OFF)
+    }
+
+    /// The same as long as it is `wanted`; None if it was called off.
+    ///
+    /// # Errors
+    /// As [`Behaviour::of`].
+    pub fn of_while(
+        task: &Task,
+        tuned: &Tuned,
+        progress: impl FnMut(Progress) + Send,
+        wanted: Wanted<'_>,
+    ) -> Result<Option<Behaviour>> {
+        let steps = along_the_stroke(task, tuned)?;
+        let sines = tracked(task, tuned, progress, wanted)?;
+        Ok(wanted.now().then_some(Behaviour { steps, sines }))
+    }
+}
+
+/// How long that takes together with the page, in runs of the step.
+#[must_use]
+pub fn steps_worth(task: &Task) -> f64 {
+    tracking::steps_worth(task) + (super::stroke::RUNS + task.draws) as f64
+}

@@ -1,0 +1,186 @@
+//! Candidates on many rigs, with their progress.
+
+use anyhow::{Result, anyhow};
+
+use super::search::{Budget, Outcome, search};
+use super::trial::{MEMBERS, Trial};
+use super::{Found, Performance, Space, Task, Variant, fixed};
+use pneudrive_evaluate::parallel;
+use pneudrive_evaluate::wanted::{CALLED_OFF, Wanted};
+
+/// What a tuning is at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
+    /// Looks for gains.
+    Search,
+    /// Holds the best few against the perturbed runs of the file's rig.
+    Finalists,
+    /// Judges them on fresh draws.
+    Draws,
+    /// Looks for what is in the way.
+    Obstacles,
+    /// Follows sines with what was found.
+    Sines,
+}
+
+impl Stage {
+    /// Those of the search, in their order.
+    pub const ALL: [Stage; 4] = [Stage::Search, Stage::Finalists, Stage::Draws, Stage::Obstacles];
+}
+
+/// How far a stage of a tuning is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Progress {
+    /// What it is at.
+    pub stage: Stage,
+    /// Runs that are done, or no longer needed: a candidate that is worse than what it must beat is given up.
+    pub done: usize,
+    /// Runs of this stage.
+    pub all: usize,
+}
+
+/// Counts runs.
+pub(super) struct Meter<'a> {
+    tell: &'a mut (dyn FnMut(Progress) + Send),
+    at: Progress,
+    /// Runs of all stages that were made.
+    runs: usize,
+}
+
+impl<'a> Meter<'a> {
+    pub fn new(tell: &'a mut (dyn FnMut(Progress) + Send)) -> Meter<'a> {
+        Meter { tell, at: Progress { stage: Stage::Search, done: 0, all: 0 }, runs: 0 }
+    }
+
+    /// A stage begins that needs so many runs.
+    pub fn begin(&mut self, stage: Stage, all: usize) {
+        self.at = Progress { stage, done: 0, all };
+        (self.tell)(self.at);
+    }
+
+    /// So many more runs of the stage need not be made any more.
+    pub fn done(&mut self, runs: usize) {
+        self.at.done += runs;
+        (self.tell)(self.at);
+    }
+
+    pub fn runs(&self) -> usize {
+        self.runs
+    }
+}
+
+/// A rig to be tuned, and what its genes mean: in its own counts and samples.
+pub(super) struct Drive<'a> {
+    pub task: &'a Task,
+    pub trial: Trial,
+    pub space: Space,
+    /// Whether it is still to be tuned.
+    pub wanted: Wanted<'a>,
+}
+
+impl Drive<'_> {
+    /// The rig of a task; `more` keys are set.
+    pub fn of<'a>(task: &'a Task, more: &[String], wanted: Wanted<'a>) -> Result<Drive<'a>> {
+        let trial = Trial::of(task, more)?;
+        let space = Space::of(&trial.rig, task.goal.settled_mm, &fixed::keys(task))?;
+        Ok(Drive { task, trial, space, wanted })
+    }
+
+    /// The step with these gains on a variant of the rig, if that is still wanted.
+    fn run(&self, settings: &[String], variant: &Variant) -> Performance {
+        if self.wanted.now() {
+            self.trial.run(settings, variant)
+        } else {
+            Performance::failed(CALLED_OFF.to_owned())
+        }
+    }
+
+    /// The last generation of a search; of none, nothing.
+    pub fn search(
+        &self,
+        budget: &Budget,
+        start: &[Vec<f64>],
+        variants: &[Variant],
+        meter: &mut Meter,
+    ) -> Outcome {
+        if budget.generations == 0 {
+            return Outcome { population: Vec::new(), history: Vec::new() };
+        }
+        let mut order: Vec<usize> = (0..variants.len()).collect();
+        let mut refused = vec![0_usize; variants.len()];
+        let costs = |variables: &[Vec<f64>], limits: &[f64]| {
+            let ordered: Vec<&Variant> = order.iter().map(|&place| &variants[place]).collect();
+            let found = self.costs(variables, limits, &ordered, meter);
+            for place in found.iter().filter_map(|one| one.given_up_at) {
+                refused[order[place]] += 1;
+            }
+            // What has refused most candidates comes first: a poor one then costs a run or two.
+            order.sort_by_key(|&place| (std::cmp::Reverse(refused[place]), place));
+            found.iter().map(|one| one.mean).collect()
+        };
+        search(self.space.len(), budget, start, costs)
+    }
+
+    /// The cost of each candidate: the mean over the variants. One that is above its limit, whatever the variants that
+    /// are left may show, is not looked at any further.
+    fn costs(
+        &self,
+        variables: &[Vec<f64>],
+        limits: &[f64],
+        variants: &[&Variant],
+        meter: &mut Meter,
+    ) -> Vec<Cost> {
+        let cost = |(variables, limit): &(&Vec<f64>, f64)| {
+            let settings = self.space.settings(variables);
+            let mut cost = Cost { mean: 0.0, given_up_at: None, runs: 0 };
+            for (place, variant) in variants.iter().enumerate() {
+                cost.runs += 1;
+                let of_one = self.run(&settings, variant).cost(&self.task.goal);
+                cost.mean += of_one / variants.len() as f64;
+                if cost.mean > *limit + ROUNDING {
+                    cost.given_up_at = Some(place);
+                    break;
+                }
+            }
+            cost
+        };
+        let jobs: Vec<(&Vec<f64>, f64)> = variables.iter().zip(limits.iter().copied()).collect();
+        let costs = parallel::map(&jobs, cost, |_| meter.done(variants.len()));
+        meter.runs += costs.iter().map(|one| one.runs).sum::<usize>();
+        costs
+    }
+
+    /// A candidate of the last generation, or the gains of the file, on what it was tuned on and on the perturbed runs of
+    /// the file's rig.
+    pub fn finalist(&self, shares: Option<&[f64]>, tuned_on: &[Variant], meter: &mut Meter) -> Found {
+        let settings = shares.map_or_else(Vec::new, |shares| self.space.settings(shares));
+        let places = shares.map_or_else(Vec::new, |shares| self.space.places(shares));
+        let performances = self.judged(&settings, tuned_on, meter);
+        let members =
+            if self.wanted.now() { self.trial.members(&settings) } else { Err(anyhow!(CALLED_OFF)) };
+        meter.runs += MEMBERS;
+        meter.done(MEMBERS);
+        let members = members.unwrap_or_else(|error| vec![Performance::failed(format!("{error:#}"))]);
+        Found { settings, places, tuned_on: performances, members, fresh: Vec::new() }
+    }
+
+    /// Gains on every variant.
+    pub fn judged(&self, settings: &[String], variants: &[Variant], meter: &mut Meter) -> Vec<Performance> {
+        let run = |variant: &Variant| self.run(settings, variant);
+        let performances = parallel::map(variants, run, |_| meter.done(1));
+        meter.runs += variants.len();
+        performances
+    }
+}
+
+/// Sums in another order of the variants differ by less.
+const ROUNDING: f64 = 1e-12;
+
+/// What a candidate costs.
+struct Cost {
+    /// Its mean cost; of one that was given up, that of the variants it was looked at, over all of them.
+    mean: f64,
+    /// Which variant put it above its limit.
+    given_up_at: Option<usize>,
+    runs: usize,
+}
