@@ -99,17 +99,14 @@ pub fn table(heading: &str, deviations: &[Deviation]) -> Table {
     let columns = ["channel", "unit", "mean", "std deviation", "rms", "largest", "rms / range"];
     let banded = deviations.iter().any(|deviation| deviation.within_band.is_some());
     let of_band = if banded { &["inside band", "rms beyond it"][..] } else { &[] };
-    Table {
-        heading: heading.to_owned(),
-        columns: columns.iter().chain(of_band).map(|&name| name.to_owned()).collect(),
-        rows: deviations
-            .iter()
-            .map(|deviation| {
-                let of_band = banded.then(|| band_cells(deviation.within_band)).into_iter().flatten();
-                cells(deviation).into_iter().chain(of_band).collect()
-            })
-            .collect(),
-    }
+    Table::new(
+        heading,
+        columns.iter().chain(of_band).map(|&name| name.to_owned()),
+        deviations.iter().map(|deviation| {
+            let of_band = banded.then(|| band_cells(deviation.within_band)).into_iter().flatten();
+            cells(deviation).into_iter().chain(of_band).collect()
+        }),
+    )
 }
 
 fn band_cells(within: Option<WithinBand>) -> [String; 2] {

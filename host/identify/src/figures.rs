@@ -122,12 +122,11 @@ impl Figures {
             let why = "cannot be seen: the load yields before it slips".to_owned();
             rows.push(vec![format!("stiction, {way}, N"), why, String::new(), String::new()]);
         }
-        Table {
-            heading: "read off the records, without a model of the air, calibration taken as exact"
-                .to_owned(),
-            columns: ["figure", "measured", "standard error", "file"].map(str::to_owned).to_vec(),
+        Table::new(
+            "read off the records, without a model of the air, calibration taken as exact",
+            ["figure", "measured", "standard error", "file"],
             rows,
-        }
+        )
     }
 
     /// Of all records together.

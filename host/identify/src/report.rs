@@ -183,13 +183,12 @@ pub fn unseen(found: &Identification) -> Table {
 fn correlation(found: &Identification) -> Table {
     let paths: Vec<&str> = found.estimates.iter().map(|estimate| estimate.parameter.key.path).collect();
     let name = |path: &str| path.split_once('.').map_or(path, |(_, name)| name).to_owned();
-    let columns = std::iter::once(String::new()).chain(paths.iter().map(|path| name(path))).collect();
+    let columns = std::iter::once(String::new()).chain(paths.iter().map(|path| name(path)));
     let row = |(i, path): (usize, &&str)| {
         let cells = (0..paths.len()).map(|j| format!("{:+.2}", found.correlation[(i, j)]));
         std::iter::once(name(path)).chain(cells).collect()
     };
-    let rows = paths.iter().enumerate().map(row).collect();
-    Table { heading: "correlation of the estimates' errors".to_owned(), columns, rows }
+    Table::new("correlation of the estimates' errors", columns, paths.iter().enumerate().map(row))
 }
 
 /// Notes to read before the numbers are used.

@@ -337,11 +337,7 @@ pub fn table(rungs: &[Rung]) -> Table {
             if rung.convergence.is_converged() { "yes" } else { "no" }.to_owned(),
         ]
     };
-    Table {
-        heading: "models of the components, one at a time".to_owned(),
-        columns: columns.map(str::to_owned).to_vec(),
-        rows: rungs.iter().map(row).collect(),
-    }
+    Table::new("models of the components, one at a time", columns, rungs.iter().map(row))
 }
 
 #[cfg(test)]

@@ -79,11 +79,11 @@ fn whole(part: &Transient) -> Result<Transient, Refusal> {
 
 fn peaks(name: &str, channel: Channel, spectrum: &Spectrum) -> Table {
     let row = |peak: &Peak| vec![format!("{:.2}", peak.frequency), format!("{:.5}", peak.amplitude)];
-    Table {
-        heading: format!("peaks of {}, {name}", channel.name()),
-        columns: vec!["frequency, Hz".to_owned(), format!("amplitude, {}", channel.unit())],
-        rows: spectrum.peaks(PEAKS).iter().map(row).collect(),
-    }
+    Table::new(
+        format!("peaks of {}, {name}", channel.name()),
+        vec!["frequency, Hz".to_owned(), format!("amplitude, {}", channel.unit())],
+        spectrum.peaks(PEAKS).iter().map(row),
+    )
 }
 
 fn columns(channel: Channel, spectrum: &Spectrum) -> Columns {

@@ -135,6 +135,19 @@ impl Page {
 }
 
 impl Table {
+    /// A table of these rows.
+    pub fn new<C: Into<String>>(
+        heading: impl Into<String>,
+        columns: impl IntoIterator<Item = C>,
+        rows: impl IntoIterator<Item = Vec<String>>,
+    ) -> Table {
+        Table {
+            heading: heading.into(),
+            columns: columns.into_iter().map(Into::into).collect(),
+            rows: rows.into_iter().collect(),
+        }
+    }
+
     /// The table as lines of text, its columns aligned.
     #[must_use]
     pub fn to_text(&self) -> String {
@@ -220,11 +233,11 @@ mod tests {
         Page {
             title: "step & hold".to_owned(),
             notes: vec!["first".to_owned()],
-            tables: vec![Table {
-                heading: "moves".to_owned(),
-                columns: vec!["move".to_owned(), "mm".to_owned()],
-                rows: vec![vec!["1".to_owned(), "60.00".to_owned()]],
-            }],
+            tables: vec![Table::new(
+                "moves",
+                vec!["move".to_owned(), "mm".to_owned()],
+                vec![vec!["1".to_owned(), "60.00".to_owned()]],
+            )],
             figures: vec![Figure::over_time(vec![Panel::new("position, mm", vec![curve])])],
             runs: String::new(),
         }
@@ -275,14 +288,14 @@ mod tests {
 
     #[test]
     fn a_column_of_words_begins_at_its_left_and_one_of_figures_ends_at_its_right() {
-        let html = Table {
-            heading: String::new(),
-            columns: ["drive", "error, mm", "unit"].map(str::to_owned).to_vec(),
-            rows: vec![
+        let html = Table::new(
+            String::new(),
+            ["drive", "error, mm", "unit"],
+            vec![
                 ["a", "-0.50", "mm"].map(str::to_owned).to_vec(),
                 ["b", "-", ""].map(str::to_owned).to_vec(),
             ],
-        }
+        )
         .to_html();
         assert!(
             html.contains("<td class=\"words\">a</td><td>-0.50</td><td class=\"words\">mm</td>"),

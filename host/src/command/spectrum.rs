@@ -81,11 +81,11 @@ fn of(channel: cli::Channel) -> Channel {
 
 fn table(samples: &Samples, spectrum: &Spectrum) -> Table {
     let row = |peak: &Peak| vec![format!("{:.2}", peak.frequency), format!("{:.5}", peak.amplitude)];
-    Table {
-        heading: format!("peaks of {}", samples.name),
-        columns: vec!["Hz".to_owned(), format!("amplitude, {}", samples.unit)],
-        rows: spectrum.peaks(PEAKS).iter().map(row).collect(),
-    }
+    Table::new(
+        format!("peaks of {}", samples.name),
+        vec!["Hz".to_owned(), format!("amplitude, {}", samples.unit)],
+        spectrum.peaks(PEAKS).iter().map(row),
+    )
 }
 
 fn figures((samples, spectrum): (&Samples, &Spectrum)) -> Value {

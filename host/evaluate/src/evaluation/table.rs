@@ -13,13 +13,11 @@ pub fn table(runs: &[Vec<Move>], tolerance_mm: f64) -> Table {
     let limit_cycle = ["limit cycle, mm peak to peak", "at, Hz"];
     let columns = ["move"].into_iter().chain(figures).chain(limit_cycle);
     let columns = columns.chain([TOP_SPEED.heading, "air, l (ANR)"]);
-    Table {
-        heading: format!(
-            "moves; settled: within {tolerance_mm} mm for the last quarter; -: not shown by the move"
-        ),
-        columns: columns.map(str::to_owned).collect(),
-        rows: numbered(runs).flat_map(|(number, moves)| rows(number, &moves)).collect(),
-    }
+    Table::new(
+        format!("moves; settled: within {tolerance_mm} mm for the last quarter; -: not shown by the move"),
+        columns,
+        numbered(runs).flat_map(|(number, moves)| rows(number, &moves)),
+    )
 }
 
 /// The row of a move, and those of the least and the most if they differ.

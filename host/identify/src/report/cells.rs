@@ -10,5 +10,5 @@ pub(super) fn digits(value: f64) -> String {
 
 /// A table of rows.
 pub(super) fn table(heading: &str, columns: &[&str], rows: Vec<Vec<String>>) -> Table {
-    Table { heading: heading.to_owned(), columns: columns.iter().map(ToString::to_string).collect(), rows }
+    Table::new(heading, columns.iter().copied(), rows)
 }

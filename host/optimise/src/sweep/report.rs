@@ -69,21 +69,21 @@ pub fn best(sweep: &Sweep, rows: &[Row]) -> Table {
         format!("{} {}", if objective.most { "most" } else { "least" }, sweep.metrics[objective.metric].name);
     let Some(best) = sweep.best(rows) else {
         let heading = format!("the best point ({aim})");
-        return Table {
+        return Table::new(
             heading,
-            columns: row("", String::new()),
-            rows: vec![row("no allowed point has a value", "-".to_owned())],
-        };
+            row("", String::new()),
+            vec![row("no allowed point has a value", "-".to_owned())],
+        );
     };
     let levels = sweep.axes.iter().zip(&best.levels).map(|(axis, level)| row(&axis.name, level.clone()));
     let metrics = sweep.metrics.iter().enumerate();
     let metrics = metrics.map(|(place, metric)| row(&metric.name, in_range(best, place)));
     let converged = best.converged.map(|yes| row("converged", if yes { "yes" } else { "no" }.to_owned()));
-    Table {
-        heading: format!("the best point ({aim})"),
-        columns: row("", format!("point {}", best.point)),
-        rows: levels.chain(metrics).chain(converged).collect(),
-    }
+    Table::new(
+        format!("the best point ({aim})"),
+        row("", format!("point {}", best.point)),
+        levels.chain(metrics).chain(converged),
+    )
 }
 
 /// A metric of a row, with its range if it has one.
@@ -119,11 +119,11 @@ pub fn combinations(sweep: &Sweep, rows: &[Row]) -> Table {
     };
     let metrics = sweep.metrics.iter().map(|metric| metric.name.clone());
     let columns = varied.iter().map(|&place| sweep.axes[place].name.clone()).chain(["allowed".to_owned()]);
-    Table {
-        heading: "combinations, with the largest of each metric over their draws; the best first".to_owned(),
-        columns: columns.chain(metrics).collect(),
-        rows: groups.iter().take(CURVES).map(row).collect(),
-    }
+    Table::new(
+        "combinations, with the largest of each metric over their draws; the best first",
+        columns.chain(metrics),
+        groups.iter().take(CURVES).map(row),
+    )
 }
 
 /// The draws of one combination.
@@ -163,11 +163,11 @@ fn constraints(sweep: &Sweep, rows: &[Row]) -> Table {
         let most = if bound.max.is_finite() { bound.max.to_string() } else { "-".to_owned() };
         vec![sweep.metrics[bound.metric].name.clone(), bound.min.to_string(), most, kept.to_string()]
     };
-    Table {
-        heading: "constraints".to_owned(),
-        columns: ["", "at least", "at most", "points that meet it"].map(str::to_owned).to_vec(),
-        rows: sweep.constraints.iter().map(row).collect(),
-    }
+    Table::new(
+        "constraints",
+        ["", "at least", "at most", "points that meet it"],
+        sweep.constraints.iter().map(row),
+    )
 }
 
 fn summary(sweep: &Sweep, rows: &[Row]) -> Table {
@@ -189,11 +189,11 @@ fn summary(sweep: &Sweep, rows: &[Row]) -> Table {
         let missing = (rows.len() - values.len()).to_string();
         std::iter::once(metric.name.clone()).chain(ends).chain([missing, about]).collect()
     };
-    Table {
-        heading: "metrics".to_owned(),
-        columns: ["", "least", "median", "most", "points without", "is"].map(str::to_owned).to_vec(),
-        rows: sweep.metrics.iter().enumerate().map(row).collect(),
-    }
+    Table::new(
+        "metrics",
+        ["", "least", "median", "most", "points without", "is"],
+        sweep.metrics.iter().enumerate().map(row),
+    )
 }
 
 fn failures(sweep: &Sweep, rows: &[Row]) -> Table {
@@ -205,11 +205,11 @@ fn failures(sweep: &Sweep, rows: &[Row]) -> Table {
     let axes = sweep.axes.iter().map(|axis| axis.name.clone());
     let shown =
         if bad.len() > FAILURES { format!("; the first {FAILURES} of {}", bad.len()) } else { String::new() };
-    Table {
-        heading: format!("points that did not run to their end{shown}"),
-        columns: std::iter::once("point".to_owned()).chain(axes).chain(["why".to_owned()]).collect(),
-        rows: bad.iter().take(FAILURES).map(row).collect(),
-    }
+    Table::new(
+        format!("points that did not run to their end{shown}"),
+        std::iter::once("point".to_owned()).chain(axes).chain(["why".to_owned()]),
+        bad.iter().take(FAILURES).map(row),
+    )
 }
 
 fn formatted(value: Option<f64>) -> String {

@@ -80,8 +80,8 @@ pub(super) fn timer(paths: &[PathBuf]) -> Result<()> {
         ]);
         points.push((asked, measured));
     }
-    let columns = ["record", "requested, us", "measured, us", "off, ppm"].map(str::to_owned).to_vec();
-    say!("{}", Table { heading: String::new(), columns, rows }.to_text());
+    let columns = ["record", "requested, us", "measured, us", "off, ppm"];
+    say!("{}", Table::new("", columns, rows).to_text());
     let line = Line::through(&points);
     json::figures(|| {
         let periods =

@@ -68,22 +68,14 @@ pub fn statements(study: &Study, findings: &[Finding]) -> Table {
     let rows = rows.map(|(statement, finding)| {
         vec![statement.thesis.to_owned(), finding.shows.clone(), finding.verdict.word().to_owned()]
     });
-    Table {
-        heading: "statements".to_owned(),
-        columns: ["the thesis says", "the model shows", "verdict"].map(str::to_owned).to_vec(),
-        rows: rows.collect(),
-    }
+    Table::new("statements", ["the thesis says", "the model shows", "verdict"], rows)
 }
 
 fn drives(variants: &[Variant]) -> Table {
     let row = |variant: &Variant| {
         vec![variant.name.to_owned(), variant.rig.to_owned(), variant.settings.join("; ")]
     };
-    Table {
-        heading: "drives".to_owned(),
-        columns: ["drive", "rig", "settings"].map(str::to_owned).to_vec(),
-        rows: variants.iter().map(row).collect(),
-    }
+    Table::new("drives", ["drive", "rig", "settings"], variants.iter().map(row))
 }
 
 /// The statements of all studies, with the pages beside it.
@@ -103,13 +95,11 @@ pub fn index(studies: &[&Study], findings: &[Vec<Finding>]) -> Page {
             "The rigs of the thesis are not available: a statement that compares with one cannot be decided."
                 .to_owned(),
         ],
-        tables: vec![Table {
-            heading: "all statements".to_owned(),
-            columns: ["study", "section", "the thesis says", "the model shows", "verdict"]
-                .map(str::to_owned)
-                .to_vec(),
-            rows: rows.collect(),
-        }],
+        tables: vec![Table::new(
+            "all statements",
+            ["study", "section", "the thesis says", "the model shows", "verdict"],
+            rows,
+        )],
         ..Page::default()
     }
 }

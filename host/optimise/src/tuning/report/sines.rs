@@ -104,12 +104,11 @@ pub fn errors(sines: &[Tracked]) -> Table {
             limited(one),
         ]
     };
-    Table {
-        heading: "sines in mid-stroke; in brackets the range over the rig of the file and its perturbed runs"
-            .to_owned(),
-        columns: columns.to_vec(),
-        rows: sines.iter().map(row).collect(),
-    }
+    Table::new(
+        "sines in mid-stroke; in brackets the range over the rig of the file and its perturbed runs",
+        columns,
+        sines.iter().map(row),
+    )
 }
 
 /// Where the squared error arises.
@@ -137,11 +136,7 @@ pub fn shares(sines: &[Tracked]) -> Table {
             percent(&|run| run.with_sine),
         ]
     };
-    Table {
-        heading: "where the squared error of the sines arises, % of it".to_owned(),
-        columns: columns.map(str::to_owned).to_vec(),
-        rows: sines.iter().map(row).collect(),
-    }
+    Table::new("where the squared error of the sines arises, % of it", columns, sines.iter().map(row))
 }
 
 fn name(sine: &Sine) -> String {

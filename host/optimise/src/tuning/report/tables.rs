@@ -51,8 +51,7 @@ fn on_many(found: &Found, goal: &Goal) -> Vec<String> {
 }
 
 fn many(heading: &str, first: &str, rows: Vec<Vec<String>>) -> Table {
-    let columns = std::iter::once(first).chain(ON_MANY).map(str::to_owned).collect();
-    Table { heading: heading.to_owned(), columns, rows }
+    Table::new(heading, std::iter::once(first).chain(ON_MANY), rows)
 }
 
 /// Before and after, in the fresh draws.
@@ -86,11 +85,11 @@ pub fn members(tuned: &Tuned, goal: &Goal) -> Table {
     if tuned.is_changed() {
         rows.push(row("found", &tuned.after));
     }
-    Table {
-        heading: "the rig of the file in mid-stroke; in brackets the range over it and its perturbed runs, whose mass and starting position differ by 1e-5".to_owned(),
-        columns: std::iter::once("gains").chain(WITH_ENSEMBLE).map(str::to_owned).collect(),
+    Table::new(
+        "the rig of the file in mid-stroke; in brackets the range over it and its perturbed runs, whose mass and starting position differ by 1e-5",
+        std::iter::once("gains").chain(WITH_ENSEMBLE),
         rows,
-    }
+    )
 }
 
 /// The step along the stroke.
@@ -100,11 +99,11 @@ pub fn along_the_stroke(steps: &[AtPlace], goal: &Goal) -> Table {
         let [from, to] = step.ends_mm;
         with_ensemble(format!("{from:.1} to {to:.1}"), &step.runs, goal)
     };
-    Table {
-        heading: "the step along the stroke, with the gains that were found; in brackets the range over the rig of the file and its perturbed runs".to_owned(),
-        columns: std::iter::once("step and back, mm").chain(WITH_ENSEMBLE).map(str::to_owned).collect(),
-        rows: steps.iter().map(row).collect(),
-    }
+    Table::new(
+        "the step along the stroke, with the gains that were found; in brackets the range over the rig of the file and its perturbed runs",
+        std::iter::once("step and back, mm").chain(WITH_ENSEMBLE),
+        steps.iter().map(row),
+    )
 }
 
 /// Columns of a step on a rig and its perturbed runs.
@@ -139,11 +138,7 @@ pub fn gains(trial: &Trial, tuned: &Tuned) -> Table {
         let before = trial.rig.value(key).map_or_else(|| "-".to_owned(), ToString::to_string);
         vec![key.to_owned(), before, found.to_owned()]
     };
-    Table {
-        heading: "the gains".to_owned(),
-        columns: ["key", "in the file", "found"].map(str::to_owned).to_vec(),
-        rows: tuned.after.settings.iter().map(row).collect(),
-    }
+    Table::new("the gains", ["key", "in the file", "found"], tuned.after.settings.iter().map(row))
 }
 
 /// The gains found, with their search ranges.
@@ -154,11 +149,7 @@ pub fn places(tuned: &Tuned) -> Table {
         let note = if place.at_limit { "at its limit" } else { "" };
         vec![place.what.to_owned(), value, format!("{low} to {high}"), place.unit.to_owned(), note.to_owned()]
     });
-    Table {
-        heading: "the gains within their search ranges".to_owned(),
-        columns: ["what", "found", "searched from", "unit", ""].map(str::to_owned).to_vec(),
-        rows: rows.collect(),
-    }
+    Table::new("the gains within their search ranges", ["what", "found", "searched from", "unit", ""], rows)
 }
 
 /// Every fresh draw, the worst first.
@@ -193,11 +184,7 @@ pub fn draws(trial: &Trial, tuned: &Tuned, goal: &Goal) -> Table {
         "error at the end, mm",
         "limit cycle, mm peak to peak",
     ];
-    Table {
-        heading: "the fresh draws one by one, the worst first".to_owned(),
-        columns: columns.map(str::to_owned).to_vec(),
-        rows: all.into_iter().map(row).collect(),
-    }
+    Table::new("the fresh draws one by one, the worst first", columns, all.into_iter().map(row))
 }
 
 /// A limit cycle in words.
