@@ -60,7 +60,7 @@ pub fn members(rig: &Rig, spacing: Spacing) -> Vec<Result<Rig, Problems>> {
     let stroke = rig.get(&keys::actuator::STROKE_M);
     let count = spacing.runs.saturating_sub(1);
     let member = |i: usize| {
-        let angle = TAU * (van_der_corput(i) + 1.0 / 24.0);
+        let angle = TAU * (reversed(i, 2) + 1.0 / 24.0);
         let place = position + spacing.relative * stroke * libm::sin(angle);
         rig.with_numbers(&[
             ("load.mass_kg", mass * (1.0 + spacing.relative * libm::cos(angle))),
@@ -70,10 +70,16 @@ pub fn members(rig: &Rig, spacing: Spacing) -> Vec<Result<Rig, Problems>> {
     (0..count).map(member).collect()
 }
 
-/// The binary digits of a number behind the point, in the reverse order.
-fn van_der_corput(number: usize) -> f64 {
-    let reversed = (number as u32).reverse_bits();
-    f64::from(reversed) / 2f64.powi(32)
+/// The digits of a number to a base behind the point, in the reverse order (van der Corput).
+#[must_use]
+pub fn reversed(mut number: usize, base: usize) -> f64 {
+    let (mut value, mut place) = (0.0, 1.0);
+    while number > 0 {
+        place /= base as f64;
+        value += place * (number % base) as f64;
+        number /= base;
+    }
+    value
 }
 
 /// Runs a rig and its perturbed runs on all threads of the pool, and measures each. `progress` is given what is done and

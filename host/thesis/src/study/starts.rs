@@ -12,6 +12,7 @@
 //! and phase evenly for any number of starts, and a larger set of starts contains the smaller one.
 
 use anyhow::{Context, Result};
+use pneudrive_optimise::ensemble::reversed;
 use pneudrive_sim::Rig;
 use pneudrive_sim::component::encoder::mm_per_count;
 use pneudrive_sim::keys;
@@ -55,17 +56,6 @@ fn moved(rig: &Rig, start: usize) -> Vec<String> {
         settings.push(format!("test.moves=[{}]", moves.join(", ")));
     }
     settings
-}
-
-/// The digits of a number to a base behind the point, in the reverse order.
-fn reversed(mut number: usize, base: usize) -> f64 {
-    let (mut value, mut place) = (0.0, 1.0);
-    while number > 0 {
-        place /= base as f64;
-        value += place * (number % base) as f64;
-        number /= base;
-    }
-    value
 }
 
 #[cfg(test)]
