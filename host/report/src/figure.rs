@@ -74,7 +74,7 @@ pub enum Look {
 }
 
 /// One curve. Values that are not numbers leave a gap.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Curve {
     /// For the legend.
     pub name: String,

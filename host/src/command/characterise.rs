@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Error, Result, anyhow, bail};
 use pneudrive_records::own_file::{GENERATOR, make_writable, refuse_to_replace};
 use pneudrive_records::whole_file::put;
-use pneudrive_report::{Curve, Figure, Library, Page, Panel, Table};
+use pneudrive_report::{Figure, Library, Page, Panel, Table};
 use pneudrive_sim::{IntegrationError, Rig};
 use pneudrive_thesis::characteristics::{
     CURVES, Characteristic, Curve as Wanted, Figure as Measured, Graph, Reading, Unfit,
@@ -130,11 +130,7 @@ fn table(found: &Characteristic) -> Table {
         let [value, within, unit] = digits(figure, found.across);
         vec![figure.name.clone(), value, within, unit.to_owned()]
     };
-    Table {
-        heading: "figures".to_owned(),
-        columns: ["", "value", "\u{b1}", "unit"].map(str::to_owned).to_vec(),
-        rows: found.figures.iter().map(row).collect(),
-    }
+    Table::new("figures", ["", "value", "\u{b1}", "unit"], found.figures.iter().map(row))
 }
 
 /// A figure, its uncertainty and its unit, the numbers to the digits that are known. For a figure that was not found,
@@ -167,8 +163,7 @@ fn page(
     measured: Option<&Measurement>,
 ) -> Page {
     let panel = |(i, graph): (usize, &Graph)| {
-        let curves = graph.series.iter();
-        let curves = curves.map(|series| Curve::new(&series.name, series.x.clone(), series.y.clone()));
+        let curves = graph.series.iter().cloned();
         let points = measured.filter(|_| i == 0).into_iter().flat_map(Measurement::curves);
         Panel::new(graph.title, curves.chain(points).collect())
     };

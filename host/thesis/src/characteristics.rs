@@ -38,6 +38,7 @@ pub mod pressure_gain;
 pub mod timer;
 pub mod valve_models;
 
+use pneudrive_report as report;
 use pneudrive_sim::Rig;
 use pneudrive_solver::IntegrationError;
 pub use points::SUPPLY_FAMILY_PA;
@@ -107,18 +108,7 @@ pub struct Graph {
     /// Name and unit of the axis.
     pub title: &'static str,
     /// The curves.
-    pub series: Vec<Series>,
-}
-
-/// One curve; as many x as y.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Series {
-    /// For the legend.
-    pub name: String,
-    /// Along the axis across.
-    pub x: Vec<f64>,
-    /// What was measured there; not a number where there is none.
-    pub y: Vec<f64>,
+    pub series: Vec<report::Curve>,
 }
 
 /// A figure read off a curve.
@@ -164,13 +154,6 @@ impl Figure {
             Reading::Computed(value) | Reading::Read { value, .. } => Some(value),
             Reading::NotBetween(_) => None,
         }
-    }
-}
-
-impl Series {
-    /// What `y` gives at each x.
-    fn over(name: String, x: &[f64], y: impl FnMut(f64) -> f64) -> Series {
-        Series { name, x: x.to_vec(), y: x.iter().copied().map(y).collect() }
     }
 }
 

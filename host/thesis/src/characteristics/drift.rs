@@ -9,7 +9,8 @@ use pneudrive_sim::component::encoder::mm_per_count;
 use pneudrive_sim::keys;
 use std::cmp::Ordering;
 
-use super::{Characteristic, Figure, Graph, Series, Unfit};
+use super::{Characteristic, Figure, Graph, Unfit};
+use pneudrive_report::Curve;
 use pneudrive_sim::Rig;
 use pneudrive_sim::plant::Accuracy;
 use pneudrive_sim::run::{Run, run};
@@ -131,11 +132,13 @@ fn at_rest(rig: &Rig, run: &Run, way: Ordering) -> ErrorAtRest {
     }
 }
 
-fn series(hours: &[f64], at_rest: &[[ErrorAtRest; 2]]) -> Vec<Series> {
-    let of = |way: usize, what: &str, y: fn(&ErrorAtRest) -> f64| Series {
-        name: format!("{}{what}", WAYS[way].0),
-        x: hours.to_vec(),
-        y: at_rest.iter().map(|at_rest| y(&at_rest[way])).collect(),
+fn series(hours: &[f64], at_rest: &[[ErrorAtRest; 2]]) -> Vec<Curve> {
+    let of = |way: usize, what: &str, y: fn(&ErrorAtRest) -> f64| {
+        Curve::new(
+            &format!("{}{what}", WAYS[way].0),
+            hours.to_vec(),
+            at_rest.iter().map(|at_rest| y(&at_rest[way])).collect(),
+        )
     };
     let each = |way| {
         [

@@ -4,8 +4,8 @@
 //! in a cylinder that moves.
 
 use super::bench::ValveBench;
-use super::points::{evenly, supplies};
-use super::{Characteristic, Figure, Graph, Series, Unfit};
+use super::points::{evenly, over, supplies};
+use super::{Characteristic, Figure, Graph, Unfit};
 use pneudrive_sim::Rig;
 use pneudrive_sim::component::valve::flow_force::{FlowForce, NodeFlows, Source, ValveFlows, path_area};
 use pneudrive_sim::keys;
@@ -44,7 +44,7 @@ pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
     let exhaust = rig.get(&keys::exhaust::PRESSURE_PA);
     let at = |spool_mm: f64, supply: f64| force(rig, spool_mm * 1e-3, supply, (exhaust + supply) / 2.0);
     let curve = |&supply: &f64| {
-        Series::over(format!("Ps = {:.1} kPa", supply / 1e3), &evenly(-travel, travel, 160), |spool| {
+        over(&format!("Ps = {:.1} kPa", supply / 1e3), &evenly(-travel, travel, 160), |spool| {
             at(spool, supply)
         })
     };

@@ -12,8 +12,9 @@
 //! T_0 = T_u s,   P_0 = P_u s^(n/(n-1)),   s = 1 + (n-1)/2 M_u^2
 //! ```
 
-use super::points::evenly;
-use super::{Characteristic, Figure, Graph, Series, Unfit};
+use super::points::{evenly, over};
+use super::{Characteristic, Figure, Graph, Unfit};
+use pneudrive_report::Curve;
 use pneudrive_sim::Rig;
 use pneudrive_sim::component::gas::Gas;
 use pneudrive_sim::component::valve::discharge::perry;
@@ -68,19 +69,17 @@ fn whole(rig: &Rig) -> f64 {
 pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
     let (gas, whole) = (Gas::of(rig), whole(rig));
     let ratios = evenly(0.0, 1.0, 200);
-    let land = Series::over("a land of this rig".to_owned(), &ratios, |ratio| land_flow(rig, ratio) / whole);
-    let ideal = Series::over("ideal nozzle".to_owned(), &ratios, |ratio| {
+    let land = over("a land of this rig", &ratios, |ratio| land_flow(rig, ratio) / whole);
+    let ideal = over("ideal nozzle", &ratios, |ratio| {
         let psi = FlowLaw::Orifice.psi(&gas, 1.0, gas.exner(ratio));
         (psi / FlowLaw::Orifice.psi(&gas, 1.0, 0.0)).sqrt()
     });
     let approaching = MACH_NUMBERS.map(|mach| {
-        Series::over(format!("upstream Mach {mach}"), &ratios, |ratio| with_approach(&gas, mach, ratio))
+        over(&format!("upstream Mach {mach}"), &ratios, |ratio| with_approach(&gas, mach, ratio))
     });
-    let with_perry = Series { name: "ideal nozzle with Perry's coefficient".to_owned(), ..ideal.clone() };
-    let with_perry = Series {
-        y: ratios.iter().zip(&ideal.y).map(|(&ratio, flow)| flow * perry(ratio)).collect(),
-        ..with_perry
-    };
+    let with_perry = ratios.iter().zip(&ideal.y).map(|(&ratio, flow)| flow * perry(ratio));
+    let with_perry =
+        Curve::new("ideal nozzle with Perry's coefficient", ratios.clone(), with_perry.collect());
     let n = gas.heat_capacity_ratio;
     let critical = libm::pow(2.0 / (n + 1.0), n / (n - 1.0));
     Ok(Characteristic {

@@ -5,8 +5,9 @@
 //! other family: one pressure at the supply port, several at port 1.
 
 use super::bench::ValveBench;
-use super::points::{evenly, supplies};
-use super::{Characteristic, Figure, Graph, Series, Unfit};
+use super::points::{evenly, over, supplies};
+use super::{Characteristic, Figure, Graph, Unfit};
+use pneudrive_report::Curve;
 use pneudrive_sim::Rig;
 use pneudrive_sim::keys;
 
@@ -33,11 +34,11 @@ pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
     let halfway = |supply: f64| (rig.get(&keys::exhaust::PRESSURE_PA) + supply) / 2.0;
     let by_supply = supplies
         .iter()
-        .map(|&supply| curve(rig, format!("Ps = {:.1} kPa", supply / 1e3), supply, halfway(supply)));
+        .map(|&supply| curve(rig, &format!("Ps = {:.1} kPa", supply / 1e3), supply, halfway(supply)));
     let by_port = FIG_7_4_PORT_PA.iter().map(|&port| {
         curve(
             rig,
-            format!("P1 = {:.0} kPa, Ps = {:.0} kPa", port / 1e3, FIG_7_4_SUPPLY_PA / 1e3),
+            &format!("P1 = {:.0} kPa, Ps = {:.0} kPa", port / 1e3, FIG_7_4_SUPPLY_PA / 1e3),
             FIG_7_4_SUPPLY_PA,
             port,
         )
@@ -71,10 +72,10 @@ fn figures(rig: &Rig, supply_pa: f64, port_pa: f64) -> [Figure; 2] {
     ]
 }
 
-fn curve(rig: &Rig, name: String, supply_pa: f64, port_pa: f64) -> Series {
+fn curve(rig: &Rig, name: &str, supply_pa: f64, port_pa: f64) -> Curve {
     let mut bench = ValveBench::new(rig, supply_pa);
     let travel = rig.get(&keys::valve::SPOOL_TRAVEL_MM);
-    Series::over(name, &evenly(-travel, travel, 160), |spool| {
+    over(name, &evenly(-travel, travel, 160), |spool| {
         1e3 * bench.nodes(spool * 1e-3, [port_pa; 2])[0].port_flow()
     })
 }

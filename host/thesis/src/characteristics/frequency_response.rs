@@ -16,7 +16,8 @@ use pneudrive_sim::keys;
 use std::f64::consts::PI;
 
 use super::bench::{SpoolBench, decay_s, natural_hz};
-use super::{Characteristic, Figure, Graph, Reading, Series, Unfit};
+use super::{Characteristic, Figure, Graph, Reading, Unfit};
+use pneudrive_report::Curve;
 use pneudrive_sim::Rig;
 use pneudrive_sim::component::dither::Dither;
 
@@ -203,9 +204,9 @@ pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
         figures.extend(bode.figures(&name)?);
         let y = |of: &dyn Fn(&Response) -> f64| bode.responses.iter().map(of).collect();
         let gains = y(&|response| 20.0 * response.gain.log10());
-        graphs[0].1.push(Series { name: name.clone(), x: frequencies.clone(), y: gains });
+        graphs[0].1.push(Curve::new(&name, frequencies.clone(), gains));
         let phases = y(&|response| response.phase.to_degrees());
-        graphs[1].1.push(Series { name, x: frequencies.clone(), y: phases });
+        graphs[1].1.push(Curve::new(&name, frequencies.clone(), phases));
     }
     Ok(Characteristic {
         notes: vec!["A sine of commands without dither; the fundamental of the spool over that of the commands. Friction and hysteresis make the response depend on the amplitude.".to_owned()],

@@ -12,8 +12,9 @@
 //! It is the static friction at the last reading before the load moves, and Coulomb's friction with the viscous part at the
 //! first instant of constant speed, at which nothing accelerates the mass.
 
-use super::{Characteristic, Figure, Graph, Reading, Series, Unfit};
+use super::{Characteristic, Figure, Graph, Reading, Unfit};
 use pneudrive_controller::Command;
+use pneudrive_report::Curve;
 use pneudrive_sim::Rig;
 use pneudrive_sim::component::actuator::Actuator;
 use pneudrive_sim::component::friction::FrictionModel;
@@ -295,7 +296,7 @@ impl Rise {
         ]
     }
 
-    fn pressures(&self) -> Vec<Series> {
+    fn pressures(&self) -> Vec<Curve> {
         vec![
             self.series("supply", |reading| 1e-3 * reading.supply),
             self.series("P1", |reading| 1e-3 * reading.pressures[0]),
@@ -304,12 +305,12 @@ impl Rise {
     }
 
     /// A part of the readings, more of the motion than of what was before it.
-    fn series(&self, name: &str, y: fn(&Gauges) -> f64) -> Series {
+    fn series(&self, name: &str, y: fn(&Gauges) -> f64) -> Curve {
         let near = self.moving.unwrap_or(self.readings.len()).saturating_sub(THINNED[0]);
         let every = |k: usize| if k < near { THINNED[0] } else { THINNED[1] };
         let shown = self.readings.iter().enumerate().filter(|(k, _)| k % every(*k) == 0);
         let (x, y) = shown.map(|(_, reading)| (reading.time, y(reading))).unzip();
-        Series { name: name.to_owned(), x, y }
+        Curve::new(name, x, y)
     }
 }
 

@@ -6,7 +6,8 @@
 //! C(29).
 
 use super::bench::{SpoolBench, decay_s};
-use super::{Characteristic, Figure, Graph, Series, Unfit};
+use super::{Characteristic, Figure, Graph, Unfit};
+use pneudrive_report::Curve;
 use pneudrive_sim::Rig;
 use pneudrive_sim::component::dither::Dither;
 use pneudrive_sim::component::operator;
@@ -122,11 +123,13 @@ pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
 }
 
 /// Both branches as curves, in mm of command.
-pub(super) fn branches(of: &Loop, name: &str, scale: f64) -> [Series; 2] {
-    [("up", &of.up), ("down", &of.down)].map(|(way, branch)| Series {
-        name: format!("{way}, {name}"),
-        x: branch.iter().map(|place| place.0 * 1e3).collect(),
-        y: branch.iter().map(|place| place.1 * scale).collect(),
+pub(super) fn branches(of: &Loop, name: &str, scale: f64) -> [Curve; 2] {
+    [("up", &of.up), ("down", &of.down)].map(|(way, branch)| {
+        Curve::new(
+            &format!("{way}, {name}"),
+            branch.iter().map(|place| place.0 * 1e3).collect(),
+            branch.iter().map(|place| place.1 * scale).collect(),
+        )
     })
 }
 

@@ -1,7 +1,7 @@
 //! Areas of the lands over the spool (6.38, Appendix IV): what of the valve is open.
 
-use super::points::evenly;
-use super::{Characteristic, Figure, Graph, Series, Unfit};
+use super::points::{evenly, over};
+use super::{Characteristic, Figure, Graph, Unfit};
 use pneudrive_sim::Rig;
 use pneudrive_sim::component::valve::{Model, Valve};
 use pneudrive_sim::keys;
@@ -20,9 +20,8 @@ pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
         [&keys::valve::SPOOL_TRAVEL_MM, &keys::valve::NULL_OFFSET_MM].map(|key| rig.get(key));
     let area = |land: usize, spool_mm: f64| MM2 * valve.land_areas(spool_mm * 1e-3)[land];
     let places = evenly(-travel, travel, 400);
-    let series =
-        [0, 1].map(|land| Series::over(format!("land {}", land + 1), &places, |spool| area(land, spool)));
-    let port = Series::over("port".to_owned(), &places, |_| MM2 * valve.port_area());
+    let series = [0, 1].map(|land| over(&format!("land {}", land + 1), &places, |spool| area(land, spool)));
+    let port = over("port", &places, |_| MM2 * valve.port_area());
     Ok(Characteristic {
         notes: vec![
             "Land 1 lets the supply to port 1 and port 2 to the exhaust, land 2 the other way about. What is left of a shut land is the clearance between spool and sleeve.".to_owned(),

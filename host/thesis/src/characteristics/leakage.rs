@@ -1,8 +1,8 @@
 //! Leakage past the piston on a bench (8.3.3, Fig. 8.8): one chamber is fed, the other is open to the surroundings, and
 //! what comes out of it has passed the seal.
 
-use super::points::evenly;
-use super::{Characteristic, Figure, Graph, Series, Unfit};
+use super::points::{evenly, over};
+use super::{Characteristic, Figure, Graph, Unfit};
 use pneudrive_sim::Rig;
 use pneudrive_sim::component::actuator::Actuator;
 use pneudrive_sim::component::actuator::leakage::Leakage;
@@ -25,7 +25,7 @@ pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
     let temperature = rig.get(&keys::supply::TEMPERATURE_K);
     let flow = |fed: f64| actuator.leakage.at_pressures(&gas, [fed, exhaust], temperature);
     let pressures = evenly(exhaust / 1e3, supply / 1e3, 200);
-    let series = Series::over("past the piston".to_owned(), &pressures, |fed| 1e3 * flow(1e3 * fed));
+    let series = over("past the piston", &pressures, |fed| 1e3 * flow(1e3 * fed));
     let at_supply = format!("with {:.0} kPa in the fed chamber", supply / 1e3);
     Ok(Characteristic {
         notes: vec![

@@ -6,8 +6,8 @@
 //! ```
 
 use super::bench::ValveBench;
-use super::points::evenly;
-use super::{Characteristic, Figure, Graph, Series, Unfit};
+use super::points::{evenly, over};
+use super::{Characteristic, Figure, Graph, Unfit};
 use pneudrive_sim::Rig;
 use pneudrive_sim::component::valve::iso6358::{REFERENCE_DENSITY, REFERENCE_TEMPERATURE};
 use pneudrive_sim::keys;
@@ -72,10 +72,8 @@ pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
     let commands = evenly(-100.0, 100.0, 200);
     let mut flow =
         |command: f64, port: usize| LITRES_A_MINUTE * paths.supply_flows(1e-2 * command, down)[port];
-    let open =
-        Series::over("the open path".to_owned(), &commands, |command| flow(command, 0).max(flow(command, 1)));
-    let shut =
-        Series::over("the shut path".to_owned(), &commands, |command| flow(command, 0).min(flow(command, 1)));
+    let open = over("the open path", &commands, |command| flow(command, 0).max(flow(command, 1)));
+    let shut = over("the shut path", &commands, |command| flow(command, 0).min(flow(command, 1)));
     Ok(Characteristic {
         notes: vec![
             "From 6 to 5 bar gauge at 20 \u{b0}C, in litres a minute at the reference atmosphere (ANR, ISO 8778). 100 % of the command is the whole travel of the spool, from its null; operator and hysteresis are left out. Conductances are those of choked flow with the valve fully open.".to_owned(),

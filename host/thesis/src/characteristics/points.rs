@@ -1,5 +1,6 @@
-//! The points at which a characteristic is measured.
+//! The points at which a characteristic is measured, and the curve through them.
 
+use pneudrive_report::Curve;
 use pneudrive_sim::Rig;
 use pneudrive_sim::keys;
 
@@ -17,4 +18,9 @@ pub(super) fn supplies(rig: &Rig) -> Vec<f64> {
 /// `intervals + 1` places from `from` to `to`.
 pub(super) fn evenly(from: f64, to: f64, intervals: usize) -> Vec<f64> {
     (0..=intervals).map(|i| from + (to - from) * i as f64 / intervals as f64).collect()
+}
+
+/// What `y` gives at each x.
+pub(super) fn over(name: &str, x: &[f64], y: impl FnMut(f64) -> f64) -> Curve {
+    Curve::new(name, x.to_vec(), x.iter().copied().map(y).collect())
 }

@@ -2,8 +2,8 @@
 //!
 //! Positive flows go away from the end whose pressure is known; against it the far end is the higher one.
 
-use super::points::evenly;
-use super::{Characteristic, Figure, Graph, Series, Unfit};
+use super::points::{evenly, over};
+use super::{Characteristic, Figure, Graph, Unfit};
 use pneudrive_sim::Rig;
 use pneudrive_sim::component::air::Station;
 use pneudrive_sim::component::gas::Gas;
@@ -30,7 +30,7 @@ pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
     let curve = |part: f64| {
         let known = part * supply;
         let flows = evenly(-reference * 1e3, reference * 2e3, 150);
-        Series::over(format!("{:.0} kPa at the known end", known / 1e3), &flows, |flow| {
+        over(&format!("{:.0} kPa at the known end", known / 1e3), &flows, |flow| {
             ratio(rig, known, flow * 1e-3)
         })
     };

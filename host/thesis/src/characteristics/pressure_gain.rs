@@ -13,7 +13,8 @@
 
 use super::bench::ValveBench;
 use super::points::{evenly, supplies};
-use super::{Characteristic, Figure, Graph, Series, Unfit};
+use super::{Characteristic, Figure, Graph, Unfit};
+use pneudrive_report::Curve;
 use pneudrive_sim::Rig;
 use pneudrive_sim::keys;
 
@@ -154,16 +155,18 @@ pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
 }
 
 /// P1 and P2 about the null.
-fn curves(rig: &Rig, supply_pa: f64, null: f64, label: &str) -> [Series; 2] {
+fn curves(rig: &Rig, supply_pa: f64, null: f64, label: &str) -> [Curve; 2] {
     let mut bench = ValveBench::new(rig, supply_pa);
     let half_width = HALF_WIDTH * bench.valve.travel;
     let spool = evenly(null - 3.0 * half_width, null + 3.0 * half_width, 120);
     let pressures: Vec<[f64; 2]> = spool.iter().map(|&x| bench.blocked(x)).collect();
     let x: Vec<f64> = spool.iter().map(|x| x * 1e3).collect();
-    [0, 1].map(|port| Series {
-        name: format!("P{}, {label}", port + 1),
-        x: x.clone(),
-        y: pressures.iter().map(|pressures| pressures[port] / 1e3).collect(),
+    [0, 1].map(|port| {
+        Curve::new(
+            &format!("P{}, {label}", port + 1),
+            x.clone(),
+            pressures.iter().map(|pressures| pressures[port] / 1e3).collect(),
+        )
     })
 }
 

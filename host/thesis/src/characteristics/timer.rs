@@ -4,8 +4,8 @@
 //! they were served. Here the time from sample to output is `controller.delay_s`, C(26), and a period that leaves no room
 //! for it is refused, not stretched. The actual period of a timer is measured on a board.
 
-use super::points::evenly;
-use super::{Characteristic, Figure, Graph, Series, Unfit};
+use super::points::{evenly, over};
+use super::{Characteristic, Figure, Graph, Unfit};
 use pneudrive_sim::Rig;
 use pneudrive_sim::keys;
 
@@ -29,8 +29,8 @@ pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
         graphs: vec![Graph {
             title: "sample period, ms",
             series: vec![
-                Series::over("sample to sample".to_owned(), &asked, |period| period),
-                Series::over("sample to output".to_owned(), &asked, |_| delay),
+                over("sample to sample", &asked, |period| period),
+                over("sample to output", &asked, |_| delay),
             ],
         }],
         figures: vec![

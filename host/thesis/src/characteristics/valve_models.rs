@@ -4,8 +4,9 @@
 
 use super::bench::ValveBench;
 use super::flow_gain::FIG_7_4_SUPPLY_PA;
-use super::points::evenly;
-use super::{Characteristic, Figure, Graph, Series, Unfit};
+use super::points::{evenly, over};
+use super::{Characteristic, Figure, Graph, Unfit};
+use pneudrive_report::Curve;
 use pneudrive_sim::Rig;
 use pneudrive_sim::component::valve;
 use pneudrive_sim::keys;
@@ -72,12 +73,10 @@ pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
     })
 }
 
-fn curves(rig: &Rig, [supply, port]: Pressures) -> Vec<Series> {
+fn curves(rig: &Rig, [supply, port]: Pressures) -> Vec<Curve> {
     let travel = rig.get(&keys::valve::SPOOL_TRAVEL_MM);
     let curve = |(model, name): (Model, &str)| {
-        Series::over(name.to_owned(), &evenly(0.0, travel, 100), |spool| {
-            1e3 * flow(rig, model, spool * 1e-3, supply, port)
-        })
+        over(name, &evenly(0.0, travel, 100), |spool| 1e3 * flow(rig, model, spool * 1e-3, supply, port))
     };
     MODELS.map(curve).into()
 }
