@@ -6,6 +6,7 @@ mod program;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
+use pneudrive_evaluate::wanted::Wanted;
 use pneudrive_identify::figures::Figures;
 use pneudrive_identify::parameter::{Parameter, usual};
 use pneudrive_identify::recording::Recording;
@@ -107,7 +108,8 @@ impl Recorded {
     /// A fit to some of the records.
     fn fit(&self, parameters: Vec<Parameter>, records: &[usize]) -> Identification {
         let recordings: Vec<_> = records.iter().map(|&number| self.recording(number)).collect();
-        identify(&self.model(), &recordings, parameters, Accuracy::default(), &mut |_| {}).expect("a fit")
+        identify(&self.model(), &recordings, parameters, Accuracy::default(), &mut |_| {}, Wanted::ALWAYS)
+            .expect("a fit")
     }
 }
 

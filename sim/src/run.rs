@@ -96,22 +96,10 @@ impl Record for MotionRow {
 /// # Errors
 /// When the integration fails.
 pub fn run(rig: &Rig, accuracy: Accuracy) -> Result<Run, IntegrationError> {
-    run_watched(rig, accuracy, |_, _| {})
+    run_recorded(rig, accuracy, Recording::default(), |_, _| {})
 }
 
-/// The same; `progress` is given the number of samples done and of all samples.
-///
-/// # Errors
-/// When the integration fails.
-pub fn run_watched(
-    rig: &Rig,
-    accuracy: Accuracy,
-    progress: impl FnMut(u32, u32),
-) -> Result<Run, IntegrationError> {
-    run_recorded(rig, accuracy, Recording::default(), progress)
-}
-
-/// The same with what else to record.
+/// The same with what else to record; `progress` is given the number of samples done and of all samples.
 ///
 /// # Errors
 /// When the integration fails.
@@ -121,7 +109,7 @@ pub fn run_recorded(
     recording: Recording,
     progress: impl FnMut(u32, u32),
 ) -> Result<Run, IntegrationError> {
-    let mut runner = Runner::recording(rig, accuracy, recording);
+    let mut runner = Runner::in_memory_of(Run::new(), rig, accuracy, recording);
     runner.run_watched(progress)?;
     Ok(runner.run)
 }
@@ -144,13 +132,7 @@ impl<R: Record> Runner<R> {
     /// For the test of a rig.
     #[must_use]
     pub fn new(rig: &Rig, accuracy: Accuracy) -> Runner<R> {
-        Runner::recording(rig, accuracy, Recording::default())
-    }
-
-    /// The same with what else to record.
-    #[must_use]
-    pub fn recording(rig: &Rig, accuracy: Accuracy, recording: Recording) -> Runner<R> {
-        Runner::in_memory_of(Run::new(), rig, accuracy, recording)
+        Runner::in_memory_of(Run::new(), rig, accuracy, Recording::default())
     }
 
     /// The next runs are of another rig.
@@ -177,11 +159,7 @@ impl<R: Record> Runner<R> {
         self.run_watched(|_, _| {})
     }
 
-    /// The same; `progress` is given the number of samples done and of all samples.
-    ///
-    /// # Errors
-    /// When the integration fails.
-    pub fn run_watched(&mut self, mut progress: impl FnMut(u32, u32)) -> Result<&Run<R>, IntegrationError> {
+    fn run_watched(&mut self, mut progress: impl FnMut(u32, u32)) -> Result<&Run<R>, IntegrationError> {
         self.run.clear();
         let mut drive = self.start.clone();
         let mut next_row_us = 0;

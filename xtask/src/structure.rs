@@ -30,7 +30,9 @@ pub fn check(root: &Path) -> Result<()> {
     let mut broken = crates::broken(&Map::of_project(root)?, &uses, &workspaces);
     let words = vocabulary::words(root)?;
     for folder in uses.keys() {
-        broken.extend(of_crate(&root.join(folder), &words)?.into_iter().map(|text| format!("{folder}: {text}")));
+        broken.extend(
+            of_crate(&root.join(folder), &words)?.into_iter().map(|text| format!("{folder}: {text}")),
+        );
     }
     if !broken.is_empty() {
         bail!("{} breaks of the structure:\n{}", broken.len(), broken.join("\n"));

@@ -50,7 +50,8 @@ fn main() {
         "| drawn | pairs | converged | of these farther apart than stated | not converged | parted | convergence / run |"
     );
     println!("|---|---|---|---|---|---|---|");
-    for (kind, Counts { pairs, converged, wrong, parted, seconds: [run, convergence] }) in KINDS.iter().zip(counts)
+    for (kind, Counts { pairs, converged, wrong, parted, seconds: [run, convergence] }) in
+        KINDS.iter().zip(counts)
     {
         let unconverged = 1e2 * (1.0 - f64::from(converged) / f64::from(pairs));
         let cost = convergence / run;

@@ -2,7 +2,9 @@
 
 use std::fmt;
 
-/// Asked before each run of long work. Once it says no, no run is begun, and the work ends without a result.
+use thiserror::Error;
+
+/// Asked before each run of long work. Once it says no, no run is begun, and the work ends with [`CalledOff`].
 #[derive(Clone, Copy)]
 pub struct Wanted<'a>(&'a (dyn Fn() -> bool + Sync));
 
@@ -23,6 +25,14 @@ impl<'a> Wanted<'a> {
     pub fn now(self) -> bool {
         (self.0)()
     }
+
+    /// Ends work that is wanted no more.
+    ///
+    /// # Errors
+    /// When it is.
+    pub fn check(self) -> Result<(), CalledOff> {
+        if self.now() { Ok(()) } else { Err(CalledOff) }
+    }
 }
 
 impl fmt::Debug for Wanted<'_> {
@@ -31,5 +41,7 @@ impl fmt::Debug for Wanted<'_> {
     }
 }
 
-/// What a run that was not begun has failed of.
-pub const CALLED_OFF: &str = "nobody waits for it any more";
+/// What a run that was not begun has failed of, and work that it was part of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+#[error("nobody waits for it any more")]
+pub struct CalledOff;

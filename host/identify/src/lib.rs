@@ -216,34 +216,21 @@ pub struct Identification {
 /// Fits `parameters` of a rig to recordings. `progress` is given what is being done.
 ///
 /// # Errors
-/// When there is nothing to fit, or the model cannot follow the recordings at the file's values.
+/// When there is nothing to fit, the model cannot follow the recordings at the file's values, or nobody waits for it any
+/// more ([`CalledOff`](pneudrive_evaluate::wanted::CalledOff)).
 pub fn identify(
     rig: &Rig,
     recordings: &[Recording],
     parameters: Vec<Parameter>,
     accuracy: Accuracy,
     progress: &mut dyn FnMut(&str),
-) -> Result<Identification> {
-    let model = Model::new(rig, recordings, parameters, accuracy);
-    fitted(model, progress)
-}
-
-/// The same, as long as it is `wanted`: None once it is not.
-///
-/// # Errors
-/// As [`identify`].
-pub fn identify_while(
-    rig: &Rig,
-    recordings: &[Recording],
-    parameters: Vec<Parameter>,
-    accuracy: Accuracy,
-    progress: &mut dyn FnMut(&str),
     wanted: Wanted<'_>,
-) -> Result<Option<Identification>> {
+) -> Result<Identification> {
     let mut model = Model::new(rig, recordings, parameters, accuracy);
     model.wanted = wanted;
     let found = fitted(model, progress);
-    if wanted.now() { found.map(Some) } else { Ok(None) }
+    wanted.check()?;
+    found
 }
 
 fn fitted(mut model: Model<'_>, progress: &mut dyn FnMut(&str)) -> Result<Identification> {

@@ -19,7 +19,7 @@ use super::limits::Limit;
 use super::parameter::Parameter;
 use super::recording::{CHANNELS, Channel, Recording, STARTS, reading};
 use pneudrive_evaluate::parallel;
-use pneudrive_evaluate::wanted::{CALLED_OFF, Wanted};
+use pneudrive_evaluate::wanted::Wanted;
 
 /// What u = 1 is of a quantity of an initial state, counts; its prior standard deviation.
 const COUNTS: f64 = 10.0;
@@ -164,7 +164,7 @@ impl<'a> Model<'a> {
     }
 
     fn try_to_follow(&self, job: &Job<'_>) -> Result<DVector<f64>> {
-        ensure!(self.wanted.now(), CALLED_OFF);
+        self.wanted.check()?;
         let recording = &self.recordings[job.recording];
         self.runs.fetch_add(1, Ordering::Relaxed);
         let start = recording.start(self.start_at(job.u, job.recording), &self.calibration_at(job.u));

@@ -25,10 +25,11 @@ use pneudrive_records::band::Band;
 use pneudrive_records::judged::{FailedMembers, Judged, Spacing};
 use pneudrive_sim::keys;
 use pneudrive_sim::rig::Problems;
-use pneudrive_sim::{Accuracy, Convergence, Rig, Run, check_convergence, run_watched};
+use pneudrive_sim::{Accuracy, Convergence, Recording, Rig, Run, check_convergence, run_recorded};
 
 use crate::runners::Runners;
 use pneudrive_evaluate::parallel;
+use pneudrive_evaluate::wanted::{CalledOff, Wanted};
 
 /// A run and what was measured of it and of its perturbed runs.
 #[derive(Clone, Debug)]
@@ -86,33 +87,19 @@ pub fn reversed(mut number: usize, base: usize) -> f64 {
 /// what is to do, in samples of one run.
 ///
 /// # Errors
-/// When the rig itself cannot be simulated. Failures of perturbed runs are in [`Judged::lost`].
+/// When the rig itself cannot be simulated, or nobody waits for it any more ([`CalledOff`]); a run that has begun comes to
+/// its end. Failures of perturbed runs are in [`Judged::lost`].
 pub fn run_ensemble<T: Send>(
     rig: &Rig,
     accuracy: Accuracy,
     spacing: Spacing,
     measure: impl Fn(&Rig, &Run) -> T + Sync,
-    progress: impl FnMut(u64, u64) + Send,
-) -> Result<Ensemble<T>> {
-    let ensemble = run_ensemble_while(rig, accuracy, spacing, measure, progress, || true)?;
-    Ok(ensemble.expect("nobody has called it off"))
-}
-
-/// The same, as long as `wanted`: None once it is not. A run that has begun comes to its end.
-///
-/// # Errors
-/// As [`run_ensemble`].
-pub fn run_ensemble_while<T: Send>(
-    rig: &Rig,
-    accuracy: Accuracy,
-    spacing: Spacing,
-    measure: impl Fn(&Rig, &Run) -> T + Sync,
     mut progress: impl FnMut(u64, u64) + Send,
-    wanted: impl Fn() -> bool + Sync,
-) -> Result<Option<Ensemble<T>>> {
+    wanted: Wanted<'_>,
+) -> Result<Ensemble<T>> {
     let samples = u64::from(rig.last_sample()).max(1);
     let all = samples * (spacing.runs as u64 + 1);
-    let nominal = run_watched(rig, accuracy, |done, _| progress(u64::from(done), all))
+    let nominal = run_recorded(rig, accuracy, Recording::default(), |done, _| progress(u64::from(done), all))
         .with_context(|| format!("{} cannot be simulated", rig.name()))?;
     let band = Mutex::new(Band::of(&nominal));
     let (jobs, failed) = jobs(rig, spacing);
@@ -120,7 +107,7 @@ pub fn run_ensemble_while<T: Send>(
     let needed = Accuracy::of_member(rig, spacing.relative).tolerance;
     let of_members = Accuracy { tolerance: needed.max(accuracy.tolerance), ..accuracy };
     let carry_out = |job: &Job| match job {
-        _ if !wanted() => Done::Failed("called off".to_owned()),
+        _ if !wanted.now() => Done::Failed(CalledOff.to_string()),
         Job::Nominal => Done::Measured(measure(rig, &nominal), None),
         Job::Convergence => {
             Done::Converged(check_convergence(rig, accuracy, &nominal).unwrap_or(Convergence::UNKNOWN))
@@ -134,13 +121,11 @@ pub fn run_ensemble_while<T: Send>(
         }
     };
     let done = parallel::map(&jobs, carry_out, |done| progress(samples * (done as u64).max(1), all));
-    if !wanted() {
-        return Ok(None);
-    }
+    wanted.check()?;
     let Gathered { measured, convergence, lost } = Gathered::of(done, failed);
     let band = (spacing.runs > 1).then(|| band.into_inner().expect("no thread panics with it"));
     let nominal = Judged { run: nominal, accuracy, convergence, band, spacing, lost, columns: Vec::new() };
-    Ok(Some(Ensemble { nominal, measured }))
+    Ok(Ensemble { nominal, measured })
 }
 
 /// The jobs for a rig and its perturbed runs, and why some of the perturbed runs are not valid rigs.
@@ -225,7 +210,14 @@ mod tests {
         let accuracy = Accuracy::of(&rig);
         let end = |_: &Rig, run: &Run| run.rows.last().expect("rows").plant.position;
         let mut told = Vec::new();
-        let found = run_ensemble(&rig, accuracy, Spacing::default(), end, |done, all| told.push((done, all)));
+        let found = run_ensemble(
+            &rig,
+            accuracy,
+            Spacing::default(),
+            end,
+            |done, all| told.push((done, all)),
+            Wanted::ALWAYS,
+        );
         let found = found.expect("runs");
         let alone = run(&rig, accuracy).expect("a run");
         assert_eq!(found.nominal.run.rows.len(), alone.rows.len());
@@ -244,15 +236,15 @@ mod tests {
         let measured = Mutex::new(0);
         let measure = |_: &Rig, _: &Run| *measured.lock().expect("a lock") += 1;
         let wanted = || *measured.lock().expect("a lock") < 2;
-        let found = run_ensemble_while(
+        let found = run_ensemble(
             &rig,
             Accuracy::of(&rig),
             Spacing { runs: 64, relative: 1e-5 },
             measure,
             |_, _| {},
-            wanted,
+            Wanted::so_long(&wanted),
         );
-        assert!(found.expect("runs").is_none());
+        assert!(found.expect_err("called off").is::<CalledOff>());
         let measured = measured.into_inner().expect("a lock");
         // One more is on its way on each thread at most.
         assert!((2..2 + parallel::threads().get()).contains(&measured), "{measured}");
@@ -262,7 +254,8 @@ mod tests {
     fn one_run_has_no_band() {
         let rig = rig();
         let spacing = Spacing { runs: 1, ..Spacing::default() };
-        let found = run_ensemble(&rig, Accuracy::of(&rig), spacing, |_, _| (), |_, _| {}).expect("a run");
+        let found = run_ensemble(&rig, Accuracy::of(&rig), spacing, |_, _| (), |_, _| {}, Wanted::ALWAYS)
+            .expect("a run");
         assert!(found.nominal.band.is_none() && found.measured.len() == 1);
         assert!(found.nominal.convergence.closest_edge.is_some());
     }
@@ -271,7 +264,8 @@ mod tests {
     #[test]
     fn perturbed_runs_beyond_the_limits_are_told_and_the_run_is_there() {
         let rig = rig().with_numbers(&[("load.mass_kg", 1e5)]).expect("valid");
-        let found = run_ensemble(&rig, Accuracy::of(&rig), Spacing::default(), |_, _| (), |_, _| {});
+        let found =
+            run_ensemble(&rig, Accuracy::of(&rig), Spacing::default(), |_, _| (), |_, _| {}, Wanted::ALWAYS);
         let found = found.expect("the rig itself runs");
         let failed = found.nominal.lost.failed;
         assert!((1..7).contains(&failed.len()) && found.measured.len() == 8 - failed.len());
@@ -285,7 +279,14 @@ mod tests {
         let settings = ["controller.velocity_gain=0", "load.mass_kg=58"].map(str::to_owned);
         let rig = Rig::read_with("heavy", text, &settings).unwrap_or_else(|problems| panic!("{problems}"));
         let spacing = Spacing { runs: 8, relative: 0.1 };
-        let found = run_ensemble(&rig, Accuracy::of(&rig), spacing, |_, run| run.fault.is_some(), |_, _| {});
+        let found = run_ensemble(
+            &rig,
+            Accuracy::of(&rig),
+            spacing,
+            |_, run| run.fault.is_some(),
+            |_, _| {},
+            Wanted::ALWAYS,
+        );
         let found = found.expect("runs");
         let tripped = found.measured.iter().filter(|tripped| **tripped).count();
         assert!(found.nominal.run.fault.is_none() && tripped > 0, "{:?}", found.measured);

@@ -17,6 +17,7 @@ use crate::ensemble::run_ensemble;
 use pneudrive_evaluate::deviation::{Deviation, deviations};
 use pneudrive_evaluate::range::with_range;
 use pneudrive_evaluate::transient::{CHANNELS, POSITION, PRESSURES, Transient};
+use pneudrive_evaluate::wanted::Wanted;
 use pneudrive_report::{COLOURS, Curve, Figure, Look, Page, Panel, Table};
 
 /// A component and its models, the most complete one first: its name, and its keys.
@@ -149,7 +150,8 @@ impl Climbed {
         // Alone, as what else runs would be in its time.
         let time_over_reference = timed(plan, reference, clock)?;
         let transient = |rig: &Rig, run: &_| Transient::of_simulation(&name, rig, run);
-        let ensemble = run_ensemble(&plan.rig, Accuracy::of(&plan.rig), spacing, transient, |_, _| {})?;
+        let ensemble =
+            run_ensemble(&plan.rig, Accuracy::of(&plan.rig), spacing, transient, |_, _| {}, Wanted::ALWAYS)?;
         if let Some(why) = ensemble.nominal.lost.failed.first() {
             bail!("{name}: a perturbed run cannot be simulated; write a smaller --change: {why}");
         }

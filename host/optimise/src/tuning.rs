@@ -162,25 +162,9 @@ const FINALISTS: usize = 3;
 /// Looks for gains, and tells `progress` how far it is.
 ///
 /// # Errors
-/// When the rig has no gains to look for, a key cannot be held, or the step does not fit into its stroke.
-pub fn tune(task: &Task, progress: impl FnMut(Progress) + Send) -> Result<Tuned> {
-    tuned(task, progress, Wanted::ALWAYS)
-}
-
-/// The same, as long as it is `wanted`: None once it is not.
-///
-/// # Errors
-/// As [`tune`].
-pub fn tune_while(
-    task: &Task,
-    progress: impl FnMut(Progress) + Send,
-    wanted: Wanted<'_>,
-) -> Result<Option<Tuned>> {
-    let tuned = tuned(task, progress, wanted)?;
-    Ok(wanted.now().then_some(tuned))
-}
-
-fn tuned(task: &Task, mut progress: impl FnMut(Progress) + Send, wanted: Wanted<'_>) -> Result<Tuned> {
+/// When the rig has no gains to look for, a key cannot be held, the step does not fit into its stroke, or nobody waits
+/// for it any more ([`CalledOff`](pneudrive_evaluate::wanted::CalledOff)).
+pub fn tune(task: &Task, mut progress: impl FnMut(Progress) + Send, wanted: Wanted<'_>) -> Result<Tuned> {
     fixed::check(task)?;
     let drive = Drive::of(task, &[], wanted)?;
     let (tuned_on, fresh) = (
@@ -213,6 +197,7 @@ fn tuned(task: &Task, mut progress: impl FnMut(Progress) + Send, wanted: Wanted<
     } else {
         Vec::new()
     };
+    wanted.check()?;
     let runs = meter.runs();
     Ok(Tuned { tuned_on, fresh, before, after, progress: outcome.history, obstacles, runs })
 }

@@ -1,6 +1,7 @@
 //! How a request is refused: a status, and JSON that says why.
 
 use http::StatusCode;
+use pneudrive_evaluate::wanted::CalledOff;
 use pneudrive_sim::rig::Problems;
 use serde_json::{Value, json};
 
@@ -38,6 +39,12 @@ impl Refusal {
     #[must_use]
     pub fn gone() -> Refusal {
         Refusal::new(StatusCode::GONE, "the page has gone on")
+    }
+
+    /// Why work has no result: its page waits for it no more, or what `otherwise` says.
+    #[must_use]
+    pub fn gone_or(error: &anyhow::Error, otherwise: impl FnOnce(&anyhow::Error) -> Refusal) -> Refusal {
+        if error.is::<CalledOff>() { Refusal::gone() } else { otherwise(error) }
     }
 
     /// As the page reads it.

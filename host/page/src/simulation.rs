@@ -2,7 +2,8 @@
 
 use http::StatusCode;
 use pneudrive_evaluate::evaluation::{Move, TOLERANCE_MM, moves_of_run, remarks, table};
-use pneudrive_optimise::ensemble::{Ensemble, run_ensemble_while};
+use pneudrive_evaluate::wanted::Wanted;
+use pneudrive_optimise::ensemble::{Ensemble, run_ensemble};
 use pneudrive_records::band::{Band, CHANNELS};
 use pneudrive_records::judged::Spacing;
 use pneudrive_records::words;
@@ -61,14 +62,14 @@ pub fn nominal(asked: &Asked) -> Result<Vec<u8>, Refusal> {
 /// The run with its perturbed runs: what they cover, and whether the run is converged. Given up when it is `wanted` no more.
 ///
 /// # Errors
-/// As [`nominal`].
+/// As [`nominal`]; when nobody waits for it any more.
 pub fn members(asked: &Asked, wanted: &(dyn Fn() -> bool + Sync)) -> Result<Vec<u8>, Refusal> {
     let rig = rig_of(asked)?;
     let (accuracy, spacing) = (Accuracy::of(&rig), Spacing::default());
     let measure = |rig: &Rig, run: &Run| moves_of_run(rig, run, TOLERANCE_MM);
-    let ensemble = run_ensemble_while(&rig, accuracy, spacing, measure, |_, _| {}, wanted);
-    let ensemble = ensemble.map_err(|error| not_simulated(&rig, &error))?;
-    ensemble.map(|ensemble| band(&rig, &ensemble)).ok_or_else(Refusal::gone)
+    let ensemble = run_ensemble(&rig, accuracy, spacing, measure, |_, _| {}, Wanted::so_long(wanted));
+    let ensemble = ensemble.map_err(|error| Refusal::gone_or(&error, |error| not_simulated(&rig, error)))?;
+    Ok(band(&rig, &ensemble))
 }
 
 /// The rig of a page, if it can be simulated while one waits.

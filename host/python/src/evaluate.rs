@@ -3,6 +3,7 @@
 use anyhow::bail;
 use pneudrive_evaluate::evaluation::{Chambers, Motion, TOLERANCE_MM, moves, refuse_other_rig};
 use pneudrive_evaluate::transient::Transient;
+use pneudrive_evaluate::wanted::Wanted;
 use pneudrive_optimise::ensemble::run_ensemble;
 use pneudrive_records::run_folder::{StoredRun, rig_of};
 use pyo3::exceptions::PyValueError;
@@ -87,8 +88,8 @@ fn of_run(
         let (accuracy, spacing) = (judged.accuracy, judged.spacing);
         work::run(py, bar, |meter| {
             let tell = |done, all| meter.at(done, all);
-            let ensemble =
-                work::pool(None)?.install(|| run_ensemble(rig, accuracy, spacing, measure, tell))?;
+            let ensemble = work::pool(None)?
+                .install(|| run_ensemble(rig, accuracy, spacing, measure, tell, Wanted::ALWAYS))?;
             ensemble.measured.into_iter().collect::<anyhow::Result<Vec<_>>>()
         })?
     };

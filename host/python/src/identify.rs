@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use pneudrive_evaluate::wanted::Wanted;
 use pneudrive_identify::parameter::{Parameter, usual};
 use pneudrive_identify::recording::Recording;
 use pneudrive_identify::report;
@@ -117,7 +118,16 @@ pub fn identify(
             log::info!("{line}");
             meter.at(0, 0);
         };
-        let fit = || pneudrive_identify::identify(&rig.rig, &recordings, parameters, accuracy, &mut tell);
+        let fit = || {
+            pneudrive_identify::identify(
+                &rig.rig,
+                &recordings,
+                parameters,
+                accuracy,
+                &mut tell,
+                Wanted::ALWAYS,
+            )
+        };
         let found = work::pool(None)?.install(fit)?;
         let numbers = report::to_json(&found, &recordings);
         Ok((found, numbers))

@@ -6,6 +6,7 @@ use std::sync::{Arc, OnceLock};
 use anyhow::Result;
 use pneudrive_controller::Observation;
 use pneudrive_evaluate::evaluation::{Move as Measured, TOLERANCE_MM, moves_of_run, table, to_json};
+use pneudrive_evaluate::wanted::Wanted;
 use pneudrive_evaluate::{report, transient};
 use pneudrive_optimise::ensemble::run_ensemble;
 use pneudrive_records::band::CHANNELS;
@@ -132,7 +133,8 @@ fn with_ensemble(
     let measure = |rig: &pneudrive_sim::Rig, run: &pneudrive_sim::Run| moves_of_run(rig, run, TOLERANCE_MM);
     let tell = |done, all| meter.at(done, all);
     let pool = work::pool(None)?;
-    let ensemble = pool.install(|| run_ensemble(rig, plan.accuracy, plan.spacing, measure, tell))?;
+    let ensemble =
+        pool.install(|| run_ensemble(rig, plan.accuracy, plan.spacing, measure, tell, Wanted::ALWAYS))?;
     let mut judged = ensemble.nominal;
     if plan.recording().valve {
         // The same run again, now with a look into the valve at every row.

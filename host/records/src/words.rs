@@ -54,7 +54,8 @@ pub fn convergence(convergence: &Convergence) -> String {
     match convergence.unconverged_from_s {
         None => format!("converged: positions are off by about {error}, as estimated{edge}"),
         Some(_) if convergence.error_m.is_infinite() => {
-            "not converged: no run at another tolerance to compare with; choose another --tolerance".to_owned()
+            "not converged: no run at another tolerance to compare with; choose another --tolerance"
+                .to_owned()
         }
         Some(since) => format!(
             "not converged from {since:.4} s on: the exact transient may differ from there; positions are off by about {error}, as estimated{edge}; a smaller --tolerance may converge"

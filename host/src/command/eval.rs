@@ -9,6 +9,7 @@ use pneudrive_evaluate::evaluation::{
 };
 use pneudrive_evaluate::report;
 use pneudrive_evaluate::transient::{CHANNELS, Transient};
+use pneudrive_evaluate::wanted::Wanted;
 use pneudrive_optimise::ensemble::{Ensemble, run_ensemble};
 use pneudrive_records::judged::Spacing;
 use pneudrive_records::own_file::{GENERATOR, refuse_to_replace};
@@ -131,7 +132,8 @@ fn with_ensemble(arguments: &Eval, own: Vec<Move>) -> Result<(Vec<Vec<Move>>, Op
         let part = within(&Transient::of_run("", &StoredRun::of(rig, run)), &arguments.interval);
         moves(&part, &Motion::of(&part), Some(&Chambers::of(rig)), arguments.tolerance)
     };
-    let ensemble = run_ensemble(&rig, accuracy, spacing, measure, |done, all| progress.at(done, all));
+    let ensemble =
+        run_ensemble(&rig, accuracy, spacing, measure, |done, all| progress.at(done, all), Wanted::ALWAYS);
     progress.done();
     let Ensemble { nominal, measured } = ensemble?;
     if is_trace(&arguments.file, &nominal.run)? {

@@ -8,6 +8,7 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
+use pneudrive_evaluate::wanted::Wanted;
 use pneudrive_identify::figures::Figures;
 use pneudrive_identify::independence::is_same;
 use pneudrive_identify::parameter::{Parameter, usual};
@@ -53,7 +54,8 @@ pub(super) fn execute(arguments: &Identify) -> Result<()> {
     say!("{}\n{}", figures.heading, figures.to_text());
     make_writable(&arguments.out)?;
     let accuracy = arguments.integration.accuracy(&rig);
-    let found = identify(&rig, &recordings, parameters, accuracy, &mut |line| tell!("{line}"))?;
+    let found =
+        identify(&rig, &recordings, parameters, accuracy, &mut |line| tell!("{line}"), Wanted::ALWAYS)?;
     json::figures(|| report::to_json(&found, &recordings));
     for table in &report::tables(&found) {
         say!("{}\n{}", table.heading, table.to_text());

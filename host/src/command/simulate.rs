@@ -7,6 +7,7 @@ use pneudrive_evaluate::evaluation::{Move, TOLERANCE_MM, moves_of_run, remarks, 
 use pneudrive_evaluate::recorded_test::{Taken, taken_from};
 use pneudrive_evaluate::report;
 use pneudrive_evaluate::transient::Transient;
+use pneudrive_evaluate::wanted::Wanted;
 use pneudrive_optimise::ensemble::{Ensemble, run_ensemble};
 use pneudrive_records::judged::Judged;
 use pneudrive_records::move_points::Through;
@@ -32,7 +33,8 @@ pub(super) fn execute(arguments: &Simulate) -> Result<()> {
     let mut progress = Progress::new("simulating");
     let begin = Instant::now();
     let spacing = arguments.members.spacing();
-    let ensemble = run_ensemble(&rig, accuracy, spacing, figures, |done, all| progress.at(done, all));
+    let ensemble =
+        run_ensemble(&rig, accuracy, spacing, figures, |done, all| progress.at(done, all), Wanted::ALWAYS);
     let took = begin.elapsed();
     progress.done();
     let Ensemble { nominal: mut judged, measured: moves } = ensemble?;

@@ -1,11 +1,11 @@
 //! What a drive does with its gains, beside the goal: the step along the stroke, and sines.
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 
 use super::stroke::{AtPlace, along_the_stroke};
 use super::tracking::{self, Tracked, tracked};
 use super::{Progress, Task, Tuned};
-use pneudrive_evaluate::wanted::{CALLED_OFF, Wanted};
+use pneudrive_evaluate::wanted::Wanted;
 
 /// What a drive does with its gains.
 #[derive(Clone, Debug)]
@@ -20,25 +20,17 @@ impl Behaviour {
     /// That of a tuning; `progress` is told of the sines.
     ///
     /// # Errors
-    /// When it cannot be simulated.
-    pub fn of(task: &Task, tuned: &Tuned, progress: impl FnMut(Progress) + Send) -> Result<Behaviour> {
-        let behaviour = Behaviour::of_while(task, tuned, progress, Wanted::ALWAYS)?;
-        behaviour.context(CALLED_OFF)
-    }
-
-    /// The same as long as it is `wanted`; None if it was called off.
-    ///
-    /// # Errors
-    /// As [`Behaviour::of`].
-    pub fn of_while(
+    /// When it cannot be simulated, or nobody waits for it any more.
+    pub fn of(
         task: &Task,
         tuned: &Tuned,
         progress: impl FnMut(Progress) + Send,
         wanted: Wanted<'_>,
-    ) -> Result<Option<Behaviour>> {
+    ) -> Result<Behaviour> {
         let steps = along_the_stroke(task, tuned)?;
         let sines = tracked(task, tuned, progress, wanted)?;
-        Ok(wanted.now().then_some(Behaviour { steps, sines }))
+        wanted.check()?;
+        Ok(Behaviour { steps, sines })
     }
 }
 

@@ -1,12 +1,12 @@
 //! Candidates on many rigs, with their progress.
 
-use anyhow::{Result, anyhow};
+use anyhow::{Error, Result};
 
 use super::search::{Budget, Outcome, search};
 use super::trial::{MEMBERS, Trial};
 use super::{Found, Performance, Space, Task, Variant, fixed};
 use pneudrive_evaluate::parallel;
-use pneudrive_evaluate::wanted::{CALLED_OFF, Wanted};
+use pneudrive_evaluate::wanted::{CalledOff, Wanted};
 
 /// What a tuning is at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -91,7 +91,7 @@ impl Drive<'_> {
         if self.wanted.now() {
             self.trial.run(settings, variant)
         } else {
-            Performance::failed(CALLED_OFF.to_owned())
+            Performance::failed(CalledOff.to_string())
         }
     }
 
@@ -156,8 +156,7 @@ impl Drive<'_> {
         let settings = shares.map_or_else(Vec::new, |shares| self.space.settings(shares));
         let places = shares.map_or_else(Vec::new, |shares| self.space.places(shares));
         let performances = self.judged(&settings, tuned_on, meter);
-        let members =
-            if self.wanted.now() { self.trial.members(&settings) } else { Err(anyhow!(CALLED_OFF)) };
+        let members = self.wanted.check().map_err(Error::from).and_then(|()| self.trial.members(&settings));
         meter.runs += MEMBERS;
         meter.done(MEMBERS);
         let members = members.unwrap_or_else(|error| vec![Performance::failed(format!("{error:#}"))]);

@@ -94,15 +94,16 @@ fn a_dither_is_searched_only_where_the_rig_says_that_its_user_can_set_it() {
 
 #[test]
 fn what_cannot_be_tuned_is_refused_by_what_to_change() {
-    let message =
-        |rig: &str, settings: &[&str]| tune(&task(rig, settings), |_| {}).expect_err("refused").to_string();
+    let message = |rig: &str, settings: &[&str]| {
+        tune(&task(rig, settings), |_| {}, Wanted::ALWAYS).expect_err("refused").to_string()
+    };
     assert!(message("servo-b", &["controller.law=on-off"]).contains("choose controller.law=gain-profile"));
     assert!(
         message("servo-b", &["controller.loop=open", "test.moves=[[0.0, 1]]"])
             .contains("controller.loop=closed")
     );
     let long = Task { goal: Goal { step_mm: 299.0, ..GOAL }, ..task("servo-b", &[]) };
-    let error = tune(&long, |_| {}).expect_err("too long").to_string();
+    let error = tune(&long, |_| {}, Wanted::ALWAYS).expect_err("too long").to_string();
     assert!(error.contains("does not fit between 3.0 and 297.0 mm of the stroke of 300 mm"), "{error}");
 }
 
@@ -252,7 +253,7 @@ fn the_same_gains_are_found_on_any_number_of_threads_and_they_are_no_worse_than_
     let task = task("servo-a", &[]);
     let [one, three] = [1, 3].map(|threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
-        pool.install(|| tune(&task, |_| {})).expect("a tuning")
+        pool.install(|| tune(&task, |_| {}, Wanted::ALWAYS)).expect("a tuning")
     });
     assert_eq!(one.after.settings, three.after.settings);
     assert_eq!((&one.progress, &one.after), (&three.progress, &three.after));
@@ -274,7 +275,7 @@ fn the_same_gains_are_found_on_any_number_of_threads_and_they_are_no_worse_than_
 fn progress_counts_the_runs_of_each_stage_to_their_end() {
     let task = task("servo-a", &[]);
     let mut told = Vec::new();
-    let tuned = tune(&task, |at| told.push(at)).expect("a tuning");
+    let tuned = tune(&task, |at| told.push(at), Wanted::ALWAYS).expect("a tuning");
     let of = |stage: Stage| told.iter().filter(move |at| at.stage == stage).collect::<Vec<_>>();
     let trials = tuned.tuned_on.len();
     for (stage, all) in [
@@ -296,7 +297,7 @@ fn progress_counts_the_runs_of_each_stage_to_their_end() {
 fn without_a_generation_the_gains_of_the_file_are_judged() {
     let task =
         Task { budget: Budget { generations: 0, ..task("servo-a", &[]).budget }, ..task("servo-a", &[]) };
-    let judged = tune(&task, |_| {}).expect("figures");
+    let judged = tune(&task, |_| {}, Wanted::ALWAYS).expect("figures");
     assert!(!judged.is_changed() && judged.obstacles.is_empty() && judged.progress.is_empty());
     assert_eq!(judged.after, judged.before);
     assert_eq!(judged.after.fresh.len(), 4);

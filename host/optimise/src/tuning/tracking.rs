@@ -22,7 +22,7 @@ use super::trial::{DWELL_S, MEMBERS, Trial};
 use super::{Progress, Task, Tuned, Variant};
 use limit::Following;
 use pneudrive_evaluate::parallel;
-use pneudrive_evaluate::wanted::{CALLED_OFF, Wanted};
+use pneudrive_evaluate::wanted::{CalledOff, Wanted};
 use sine::Sine;
 
 /// Of the sines.
@@ -82,7 +82,7 @@ pub fn tracked(
             let runs = Trial::measure_members(&nominal, follow)?;
             meter.done(MEMBERS);
             let on_draw = |draw: &Variant| {
-                if wanted.now() { on_draw(&trial, &sine, settings, draw) } else { Err(CALLED_OFF.to_owned()) }
+                if wanted.now() { on_draw(&trial, &sine, settings, draw) } else { Err(CalledOff.to_string()) }
             };
             let draws = parallel::map(draws, on_draw, |_| meter.done(1));
             tracked.push(Tracked { sine, gains: *gains, settings: settings.clone(), runs, draws });

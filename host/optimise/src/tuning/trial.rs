@@ -17,6 +17,7 @@ use crate::ensemble::run_ensemble;
 use crate::runners::Runners;
 use pneudrive_evaluate::evaluation::{Motion, Move, moves};
 use pneudrive_evaluate::transient::Transient;
+use pneudrive_evaluate::wanted::Wanted;
 
 /// Runs of the file's rig and its perturbed runs.
 pub(super) const MEMBERS: usize = 8;
@@ -132,7 +133,7 @@ impl Trial {
         measure: impl Fn(&Rig, &Run) -> Result<T, String> + Sync,
     ) -> Result<Vec<Result<T, String>>> {
         let measure = |rig: &Rig, run: &Run| to_its_end(run, |run| measure(rig, run));
-        let ensemble = run_ensemble(rig, Accuracy::of(rig), spacing(), measure, |_, _| {})?;
+        let ensemble = run_ensemble(rig, Accuracy::of(rig), spacing(), measure, |_, _| {}, Wanted::ALWAYS)?;
         let failed = ensemble.nominal.lost.failed.into_iter().map(Err);
         Ok(ensemble.measured.into_iter().chain(failed).collect())
     }

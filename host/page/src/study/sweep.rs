@@ -3,8 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-use anyhow::ensure;
-use pneudrive_evaluate::wanted::CALLED_OFF;
+use pneudrive_evaluate::wanted::Wanted;
 use pneudrive_optimise::sweep::execution::each_point;
 use pneudrive_optimise::sweep::metric::FIGURES;
 use pneudrive_optimise::sweep::{Row, Source, Sweep, numbers, report};
@@ -97,15 +96,12 @@ impl Asks {
         let mut rows = BTreeMap::new();
         meter.at("points", 0, all.len());
         let done = each_point(&sweep, &all, |row: Row| {
-            ensure!((audience.waits)(), CALLED_OFF);
+            Wanted::so_long(audience.waits).check()?;
             rows.insert(row.point, row);
             meter.at("points", rows.len(), all.len());
             Ok(())
         });
-        if !(audience.waits)() {
-            return Err(Refusal::gone());
-        }
-        done.map_err(|error| Refusal::of(&error))?;
+        done.map_err(|error| Refusal::gone_or(&error, Refusal::of))?;
         let rows: Vec<Row> = rows.into_values().collect();
         Ok(json!({
             "result": numbers::to_json(&sweep, &rows),

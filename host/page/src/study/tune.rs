@@ -4,9 +4,7 @@ use std::ops::RangeInclusive;
 
 use pneudrive_evaluate::wanted::Wanted;
 use pneudrive_optimise::tuning::search::Budget;
-use pneudrive_optimise::tuning::{
-    self, Behaviour, Progress, Relative, Stage, Task, behaviour, report, tune_while,
-};
+use pneudrive_optimise::tuning::{self, Behaviour, Progress, Relative, Stage, Task, behaviour, report, tune};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
@@ -78,19 +76,18 @@ impl Asks {
 
     pub fn work(&self, audience: Audience<'_>) -> Result<Value, Refusal> {
         let (task, wanted) = (self.task()?, Wanted::so_long(audience.waits));
-        let impossible = |error: anyhow::Error| Refusal::wrong(format!("{error:#}"));
+        let impossible =
+            |error: anyhow::Error| Refusal::gone_or(&error, |error| Refusal::wrong(format!("{error:#}")));
         let most = task.max_runs().map_err(impossible)?;
-        let taste = tune_while(&task.taste(), |_| {}, wanted).map_err(impossible)?;
-        let runs = taste.ok_or_else(Refusal::gone)?.runs;
+        let runs = tune(&task.taste(), |_| {}, wanted).map_err(impossible)?.runs;
         // The time since the page has asked, times `all` over `done`, is how long it takes at most.
         let all = most as f64 + behaviour::steps_worth(&task);
         (audience.hears)(json!({ "what": "taste", "done": runs, "all": all }));
         let mut meter = Meter::new(audience.hears);
         let tell = |at: Progress| meter.at(stage(at.stage), at.done, at.all);
-        let tuned = tune_while(&task, tell, wanted).map_err(impossible)?.ok_or_else(Refusal::gone)?;
+        let tuned = tune(&task, tell, wanted).map_err(impossible)?;
         let tell = |at: Progress| meter.at(stage(at.stage), at.done, at.all);
-        let behaviour = Behaviour::of_while(&task, &tuned, tell, wanted).map_err(impossible)?;
-        let behaviour = behaviour.ok_or_else(Refusal::gone)?;
+        let behaviour = Behaviour::of(&task, &tuned, tell, wanted).map_err(impossible)?;
         let (mut page, draws) = report::page(&task, &tuned, &behaviour).map_err(impossible)?;
         page.figures.insert(0, draws);
         Ok(json!({

@@ -38,7 +38,7 @@ fn a_drive_is_limited_by_what_limits_all_of_its_runs() {
 fn sines(settings: &[&str]) -> Vec<Tracked> {
     let task = task("servo-b-tuned", settings);
     let task = Task { budget: Budget { generations: 0, ..task.budget }, draws: 2, ..task };
-    let tuned = tune(&task, |_| {}).expect("figures");
+    let tuned = tune(&task, |_| {}, Wanted::ALWAYS).expect("figures");
     tracked(&task, &tuned, |_| {}, Wanted::ALWAYS).expect("runs")
 }
 
