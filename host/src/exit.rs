@@ -30,7 +30,7 @@ exits! {
     NoAnswer = 4: "no rig can be reached: the port cannot be opened, nothing answers, or the link broke"
     Refused = 5: "the rig refuses: its state does not allow the request, or another program commands the drive"
     Tripped = 6: "the drive tripped during the run or the homing run; with `simulate --strict`, also a simulated drive"
-    NotBorneOut = 7: "the model does not fit, the data cannot check_convergence, or a replay differs from the record"
+    NotBorneOut = 7: "the model does not fit, the data cannot decide, or a replay differs from the record"
     Unwritten = 8: "a file or the output cannot be written: the disk is full, or a limit is reached"
     Unconverged = 9: "with `simulate --strict`: the run is not converged"
     // As a shell reports a program that was ended by SIGINT, or by SIGPIPE.
