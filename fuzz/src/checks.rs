@@ -2,7 +2,7 @@
 
 use pneudrive_app::{Control, Recorder};
 use pneudrive_controller::{Fault, Mode, Parameters};
-use pneudrive_protocol::{ANY_BOOT, InSession, Refused, Reply, ReplyBody, RequestBody};
+use pneudrive_protocol::{Refused, Reply, ReplyBody, Request, RequestBody};
 
 /// What a refused request leaves as it is.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -32,11 +32,11 @@ impl Seen {
 ///
 /// # Panics
 /// When something else has.
-pub fn check(asked: &InSession<'_>, reply: Option<&Reply<'_>>, before: &Seen, after: &Seen, owner: u32) {
-    let body = asked.request.body;
-    let starts = matches!(body, RequestBody::Start | RequestBody::StartTest { .. } | RequestBody::Home);
+pub fn check(request: &Request<'_>, reply: Option<&Reply<'_>>, before: &Seen, after: &Seen, owner: u32) {
+    let body = request.body;
+    let starts = matches!(body, RequestBody::Start { .. } | RequestBody::Home);
     if let Some(reply) = reply {
-        assert_eq!(reply.sequence, asked.request.sequence);
+        assert_eq!(reply.sequence, request.sequence);
     }
     let refused = matches!(reply, Some(Reply { body: ReplyBody::Refused(_), .. }));
     if reply.is_none() || (refused && !(starts && before.mode == Mode::Disarmed)) {
@@ -44,14 +44,11 @@ pub fn check(asked: &InSession<'_>, reply: Option<&Reply<'_>>, before: &Seen, af
     }
     if moves(after.mode) && !moves(before.mode) {
         assert!(starts && before.mode == Mode::Armed, "{body:?} from {:?}", before.mode);
-        assert_eq!(asked.session, owner, "the drive moves for its owner alone");
+        assert_eq!(request.session, owner, "the drive moves for its owner alone");
     }
     let changes = matches!(
         body,
-        RequestBody::ConfigSet { .. }
-            | RequestBody::ChangeTake { .. }
-            | RequestBody::Arm
-            | RequestBody::ArmAs { .. }
+        RequestBody::ConfigSet { .. } | RequestBody::ChangeTake { .. } | RequestBody::Arm { .. }
     );
     assert!(changes || before.parameters == after.parameters, "{body:?} changed parameters");
 }
@@ -82,8 +79,8 @@ pub fn check_boot(
 ) -> Option<u32> {
     let refused = ReplyBody::Refused(Refused::OtherBoot { number: now });
     let is_refused = reply.is_some_and(|reply| reply.body == refused);
-    let is_other = meant != ANY_BOOT && meant != now;
-    assert!(is_other || !is_refused, "it was meant for this boot, or for any");
+    let is_other = meant != now;
+    assert!(is_other || !is_refused, "it was meant for this boot");
     let is_off = matches!(after.mode, Mode::Disarmed | Mode::Fault(Fault::Stop));
     let only_switched_off = Seen { mode: before.mode, ..after.clone() } == *before && is_off;
     assert!(!is_other || before == after || only_switched_off, "{before:?}, {after:?}: {reply:?}");

@@ -11,14 +11,14 @@ use pneudrive_app::{Board, Control, Recorder, Server};
 use pneudrive_controller::{Command, Config, Mode, Sample};
 use pneudrive_protocol::change::{PART_BYTES, start_crc32};
 use pneudrive_protocol::{
-    Accumulator, InBoot, InSession, MAX_FRAME, ReplyBody, Request, RequestBody, decode_reply, encode, frame,
+    Accumulator, MAX_FRAME, ReplyBody, Request, RequestBody, decode_reply, decode_request, encode, frame,
 };
 
 use crate::checks::{Seen, check, check_boot, drives, moves};
 use crate::requests::{Room, body, change};
 
-/// The sessions: two hosts, and those of version 4 and older.
-const SESSIONS: [u32; 3] = [0x1001, 0x2002, 0];
+/// The sessions of the hosts.
+const SESSIONS: [u32; 3] = [0x1001, 0x2002, 0x3003];
 
 /// The most samples that an input asks for.
 const MAX_SAMPLES: u32 = 400;
@@ -130,12 +130,9 @@ struct Rig {
     /// The last change that was sent, and the last record, by their CRC-32.
     change: u32,
     samples: u32,
-    /// The boot that the host of version 6 means: the one that it was told last.
-    meant: u32,
+    /// The boot that each host means: the one that it was told last.
+    meant: [u32; 3],
 }
-
-/// The host of version 6; the others are of version 5 and 4.
-const NAMES_BOOTS: usize = 0;
 
 fn store_in(flash: RamFlash) -> Store {
     let memory: Box<Memory> = Box::new([0; MEMORY_BYTES]);
@@ -157,7 +154,7 @@ impl Rig {
             sent: Vec::new(),
             change: 0,
             samples: 0,
-            meant: 1,
+            meant: [1; 3],
         };
         rig.reset();
         rig
@@ -262,14 +259,9 @@ impl Rig {
 
     fn ask(&mut self, host: usize, body: RequestBody<'_>) {
         self.sequence = self.sequence.wrapping_add(1);
-        let request = Request { sequence: self.sequence, body };
+        let (sequence, session, boot) = (self.sequence, SESSIONS[host], self.meant[host]);
         let mut room = [0; MAX_FRAME];
-        let asked = InSession { request, session: SESSIONS[host] };
-        let framed = match asked.session {
-            _ if host == NAMES_BOOTS => encode(&InBoot { asked, boot: self.meant }, &mut room),
-            0 => encode(&request, &mut room),
-            _ => encode(&asked, &mut room),
-        };
+        let framed = encode(&Request { sequence, session, boot, body }, &mut room);
         // A text may be too long to be sent.
         let Some(frame) = framed.map(<[u8]>::to_vec) else { return };
         self.sent.push((host, frame.clone()));
@@ -284,16 +276,17 @@ impl Rig {
         let enabled = before.mode;
         let replies = self.hear(host, frame);
         let meant = message(frame);
-        let InBoot { asked, boot } = InBoot::decode(&meant).expect("a request that was sent");
+        let request = decode_request(&meant).expect("a request that was sent");
         let after = Seen::of(&self.control);
         let reply = (!replies.is_empty()).then(|| message(&replies));
         let reply = reply.as_deref().map(|reply| decode_reply(reply).expect("a reply of this version"));
-        check(&asked, reply.as_ref(), &before, &after, owner);
+        check(&request, reply.as_ref(), &before, &after, owner);
         let now = self.rod.store.boot();
         // A host that is told of another boot connects again.
-        self.meant = check_boot(boot, now, reply.as_ref(), &before, &after).unwrap_or(self.meant);
-        let arms = matches!(asked.request.body, RequestBody::Arm | RequestBody::ArmAs { .. });
-        assert!(drives(enabled) || !drives(after.mode) || arms, "{:?} enabled the drive", asked.request.body);
+        let told = check_boot(request.boot, now, reply.as_ref(), &before, &after);
+        self.meant[host] = told.unwrap_or(self.meant[host]);
+        let arms = matches!(request.body, RequestBody::Arm { .. });
+        assert!(drives(enabled) || !drives(after.mode) || arms, "{:?} enabled the drive", request.body);
         reply.is_some()
     }
 

@@ -4,7 +4,7 @@ use std::sync::LazyLock;
 
 use pneudrive_identify::report;
 use pneudrive_optimise::sweep::journal;
-use pneudrive_protocol::{CURRENT_VERSION, MIN_VERSION};
+use pneudrive_protocol::VERSION;
 use pneudrive_records::{run_folder, stream_file, target};
 use pneudrive_sim::rig::BUILTIN;
 
@@ -21,8 +21,8 @@ fn text() -> String {
     let rigs: Vec<&str> = BUILTIN.iter().map(|(name, _)| *name).collect();
     let parquet = if cfg!(feature = "parquet") { "yes" } else { "no (built without --features parquet)" };
     let lines = [
-        ("protocol", format!("{CURRENT_VERSION}; talks to rigs from version {MIN_VERSION} on")),
-        ("files", format!("{}; older ones are read", files.join(", "))),
+        ("protocol", VERSION.to_string()),
+        ("files", files.join(", ")),
         ("rigs", rigs.join(", ")),
         ("parquet", parquet.to_owned()),
         ("processor", format!("{}, {}", std::env::consts::ARCH, arithmetic())),

@@ -85,7 +85,8 @@ fn wrong_tokens_again_and_again_keep_nobody_from_a_virtual_rig_and_each_waits() 
     let port = rig.1.rsplit(' ').next().expect("a port").to_owned();
     let address = port.strip_prefix("tcp://").expect("TCP");
     let mut frame = [0; MAX_FRAME];
-    let request = Request { sequence: 1, body: RequestBody::Token { token: "wrong-horse-battery-staple" } };
+    let body = RequestBody::Token { token: "wrong-horse-battery-staple" };
+    let request = Request { sequence: 1, session: 1007, boot: 0, body };
     let wrong = encode(&request, &mut frame).expect("fits");
     let begun = Instant::now();
     let mut guesses: Vec<TcpStream> = (0..20)

@@ -51,7 +51,7 @@ fn changed(text: &str) -> [Vec<u8>; 4] {
 fn own_files_are_read_through_editors_and_systems_and_utf_16_is_named() {
     let folder = folder();
     let path = folder.path();
-    fs::copy("tests/fixtures/TARGET-2.DAT", path.join("TARGET01.DAT")).expect("copied");
+    fs::copy("tests/fixtures/TARGET-1.DAT", path.join("TARGET01.DAT")).expect("copied");
     ok(path, "simulate servo-b-tuned --set test.duration_s=0.05 --out run --no-report");
     let rig = virtual_rig("servo-b-tuned");
     ok(path, &format!("device --port {} config export config.txt", rig.port()));

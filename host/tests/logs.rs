@@ -66,7 +66,7 @@ fn a_record_that_leaves_as_a_log_comes_back_in_every_integer() {
 fn an_export_never_replaces_a_file_unasked_and_names_what_it_cannot_do() {
     let folder = folder();
     let path = folder.path();
-    fs::copy("tests/fixtures/TARGET-2.DAT", path.join("TARGET01.DAT")).expect("copied");
+    fs::copy("tests/fixtures/TARGET-1.DAT", path.join("TARGET01.DAT")).expect("copied");
     let printed = ok(path, "export TARGET01.DAT --out a.mat");
     assert!(printed.contains("a.mat: 8 signals, 77 samples"), "{printed}");
     for (arguments, told) in [

@@ -152,8 +152,8 @@ mod pty {
         let rig = rig_on_a_pty();
         for _ in 0..3 {
             let mut port = port::open(rig.port()).expect("free");
-            let request =
-                pneudrive_protocol::Request { sequence: 1, body: pneudrive_protocol::RequestBody::Info };
+            let body = pneudrive_protocol::RequestBody::Info;
+            let request = pneudrive_protocol::Request { sequence: 1, session: 1007, boot: 0, body };
             let mut frame = [0; pneudrive_protocol::MAX_FRAME];
             let frame = pneudrive_protocol::encode(&request, &mut frame).expect("fits");
             for _ in 0..400 {

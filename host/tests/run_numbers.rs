@@ -72,18 +72,3 @@ fn the_run_of_another_rig_stays_unless_it_is_to_be_replaced() {
     let run = description(folder.path(), "a");
     assert_eq!((run["run"].as_u64(), run["rig"].as_str()), (Some(3), Some("servo-c")));
 }
-
-/// Written before runs had a number and a date.
-#[test]
-fn a_run_of_an_older_program_is_read_and_counts_for_none() {
-    let folder = folder();
-    ok(folder.path(), &format!("simulate servo-b {SHORT} --out a"));
-    let mut older = description(folder.path(), "a");
-    for key in ["run", "date"] {
-        older.as_object_mut().expect("keys").remove(key).expect("written");
-    }
-    fs::write(folder.path().join("a/run.json"), older.to_string()).expect("written");
-    ok(folder.path(), "eval a --out a.html");
-    ok(folder.path(), &format!("simulate servo-b {SHORT} --out a"));
-    assert_eq!(description(folder.path(), "a")["run"], 1);
-}

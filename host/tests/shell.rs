@@ -8,7 +8,7 @@ use std::process::Command;
 
 use clap::CommandFactory;
 use pneudrive::cli::Cli;
-use pneudrive_protocol::CURRENT_VERSION;
+use pneudrive_protocol::VERSION;
 use pneudrive_sim::rig::BUILTIN;
 
 use program::{folder, ok, transcript};
@@ -105,10 +105,10 @@ fn the_version_tells_what_the_program_understands() {
         line.unwrap_or_else(|| panic!("{name}: {printed}")).trim()
     };
     assert_eq!(printed.lines().next(), Some(concat!("pneudrive ", env!("CARGO_PKG_VERSION"))));
-    assert_eq!(line("protocol"), format!("{CURRENT_VERSION}; talks to rigs from version 1 on"));
+    assert_eq!(line("protocol"), VERSION.to_string());
     assert!(
         line("files")
-            .starts_with("pneudrive-target 2, pneudrive-stream 2, pneudrive-run 1, pneudrive-sweep 1")
+            .starts_with("pneudrive-target 1, pneudrive-stream 1, pneudrive-run 1, pneudrive-sweep 1")
     );
     let rigs: Vec<&str> = line("rigs").split(", ").collect();
     assert_eq!(rigs, BUILTIN.iter().map(|(name, _)| *name).collect::<Vec<_>>());

@@ -32,7 +32,7 @@ fn begun(rig: &SimulatedRig, every: u16, settings: &[&str], last_sample: impl Fn
     let mut client = rig.connect().expect("an answer");
     client.import_parameters(&test.parameters()).expect("disarmed");
     client.prepare(&test, last_sample(&test), None).expect("disarmed");
-    client.stream_begin(every, 769.0).expect("version 3");
+    client.stream_begin(every, 769.0).expect("an answer");
     client.arm().expect("in open loop without a reference");
     client.start().expect("armed");
     client
@@ -140,7 +140,7 @@ fn a_run_is_streamed_to_a_file_and_watched_from_the_command_line() {
     assert!(printed.contains("run.csv: 154 samples, none missing\nservo-b-tuned: done\n"), "{printed}");
     let text = fs::read_to_string(folder.path().join("run.csv")).expect("written");
     assert!(
-        text.starts_with("# format = pneudrive-stream 2\n# test = servo-b-tuned\n# decimation = 2\n"),
+        text.starts_with("# format = pneudrive-stream 1\n# test = servo-b-tuned\n# decimation = 2\n"),
         "{text}"
     );
     let end = text.find("\n# samples = 154\n# missing = 0\n# crc32 = ").expect("an end");

@@ -190,7 +190,7 @@ fn never_reads(port: &str) -> TcpStream {
     let mut asks = stream.try_clone().expect("a copy");
     std::thread::spawn(move || {
         let mut frame = [0; MAX_FRAME];
-        let request = Request { sequence: 1, body: RequestBody::Info };
+        let request = Request { sequence: 1, session: 1007, boot: 0, body: RequestBody::Info };
         let frame = encode(&request, &mut frame).expect("fits");
         let many: Vec<u8> = frame.repeat(100);
         let begun = Instant::now();

@@ -110,10 +110,10 @@ impl Configuration {
         true
     }
 
-    /// Puts other parameters in force.
+    /// Puts other parameters in force. What was learned is still to be stored if they are the same, as with a new test alone.
     pub fn replace(&mut self, prepared: Prepared) {
+        self.learned &= prepared.hash == self.in_force.hash;
         self.in_force = prepared;
-        self.learned = false;
     }
 
     /// Puts other move records in force.

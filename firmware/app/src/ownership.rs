@@ -18,8 +18,7 @@
 //! (RFC 1982).
 //!
 //! What an owner has said before it fell silent may still be on the line, and come once nobody watches the drive any
-//! more. So an owner that was gone arms or takes over again before it starts or homes. Hosts of version 4 and older are one
-//! session, of which each is as good as the other; they are obeyed as ever.
+//! more. So an owner that was gone arms or takes over again before it starts or homes.
 
 use pneudrive_protocol::{Presence, RequestBody, session};
 
@@ -55,7 +54,6 @@ impl Need {
             | Body::ConfigState
             | Body::Events { .. }
             | Body::Timing
-            | Body::RecordChunk { .. }
             | Body::StreamBegin { .. }
             | Body::StreamGrant { .. }
             | Body::StreamRead { .. }
@@ -67,18 +65,14 @@ impl Need {
             | Body::MoveRecordsRead { .. }
             | Body::Io
             | Body::IoSet { .. } => Need::Nothing,
-            Body::Arm | Body::ArmAs { .. } | Body::TakeOver { .. } | Body::Disarm => Need::NoOtherOwner,
+            Body::Arm { .. } | Body::TakeOver { .. } | Body::Disarm => Need::NoOtherOwner,
             Body::ConfigSet { .. }
-            | Body::Start
+            | Body::Start { .. }
             | Body::Reference { .. }
-            | Body::TestBegin { .. }
-            | Body::TestMove { .. }
-            | Body::TestSpan { .. }
             | Body::Home
             | Body::ConfigSave
             | Body::ChangePart { .. }
             | Body::ChangeTake { .. }
-            | Body::StartTest { .. }
             | Body::SeekNull
             | Body::AtNull
             | Body::TryWatchdog => Need::Command,
@@ -97,8 +91,7 @@ pub struct Asker<'a> {
     pub sequence: Option<u16>,
 }
 
-/// The session that has armed the drive last, and how long ago it was heard. By default the hosts of version 4 and
-/// older, which have no session of their own.
+/// The session that has armed the drive last, and how long ago it was heard. By default [nobody's](session::NOBODY).
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Ownership {
     session: u32,
@@ -129,19 +122,15 @@ impl Ownership {
         }
     }
 
-    /// Whether the owner's request of this number is none that was heard before. Hosts of version 4 and older share a session,
-    /// and each has numbers of its own.
+    /// Whether the owner's request of this number is none that was heard before.
     fn is_new(&self, sequence: u16) -> bool {
-        self.last.is_none_or(|last| match self.session {
-            session::OLD_HOSTS => sequence != last,
-            _ => sequence.wrapping_sub(last).cast_signed() > 0,
-        })
+        self.last.is_none_or(|last| sequence.wrapping_sub(last).cast_signed() > 0)
     }
 
     /// Whether the owner was gone since it became the owner, and so must not move the drive.
     #[must_use]
     pub fn has_lapsed(&self) -> bool {
-        self.lapsed && self.session != session::OLD_HOSTS
+        self.lapsed
     }
 
     /// The owner is heard, whoever it is.
@@ -198,7 +187,7 @@ impl Ownership {
         self.session == session::INPUTS
     }
 
-    /// The owner's session; [`session::OLD_HOSTS`] for hosts of version 4 or older.
+    /// The owner's session.
     #[must_use]
     pub fn session(&self) -> u32 {
         self.session

@@ -10,9 +10,9 @@
 //! | 0..2 | command, counts or steps |
 //! | 2 | pulse of a stepper |
 //! | 3 | 1: the drive is enabled |
-//! | 4 | the plant stays (0), moves on (1), or begins a run (2) |
+//! | 4 | the plant stays (0), moves on (1), begins a run (2), or moves on after the moves of a run (3) |
 //! | 5..8 | ticks of the longest part of a request since the outputs before ([`with_request_ticks`]); 0: not told |
-//! | 8..12, 12..16 | period and delay of the run that begins, microseconds; 1 and 0 where the plant moves on after the moves of a run; 0 otherwise |
+//! | 8..12, 12..16 | period and delay of the run that begins, microseconds; 0 otherwise |
 //! | 16..20, 20..24 | ticks of the board's counter that `on_sample` and `on_output` took |
 //!
 //! | `Inputs`, byte | holds |
@@ -23,8 +23,8 @@
 //! | 10 | bit 0: the plant is frozen; bit 1: the homing switch is closed; bit 2: [`Tempo::in_step`]; the others are 0 |
 //! | 11 | [`Tempo::late_us`], in 16 us |
 //!
-//! A board that does not know of the tempo takes every sample for punctual, as a board does that is sent
-//! none.
+//! These bytes are append-only: bits that are 0 may get a meaning, and a step of the plant another number
+//! (`firmware/app/tests/plant_bus_v1.rs`).
 
 use pneudrive_controller::{Command, Sample};
 
@@ -42,7 +42,7 @@ pub enum Next {
     Stay,
     /// It moves on by a period, with the command in force from `delay` after the sample.
     Advance,
-    /// The same, after the moves of a run: the drive holds. A plant that does not know of it moves on all the same.
+    /// The same, after the moves of a run: the drive holds.
     Hold,
     /// It goes back to its initial state: the next sample is k = 0 of a run with this timing.
     Begin {
@@ -87,7 +87,7 @@ impl Outputs {
         let (next, period_us, delay_us) = match self.next {
             Next::Stay => (0, 0, 0),
             Next::Advance => (1, 0, 0),
-            Next::Hold => (1, 1, 0),
+            Next::Hold => (3, 0, 0),
             Next::Begin { period_us, delay_us } => (2, period_us, delay_us),
         };
         let Command { counts, step, drive_enable } = self.command;
@@ -110,12 +110,12 @@ impl Outputs {
         let [p0, p1, p2, p3, d0, d1, d2, d3, s0, s1, s2, s3, o0, o1, o2, o3] = rest;
         let next = match next {
             0 => Next::Stay,
-            1 if p0 == 1 => Next::Hold,
             1 => Next::Advance,
             2 => Next::Begin {
                 period_us: u32::from_le_bytes([p0, p1, p2, p3]),
                 delay_us: u32::from_le_bytes([d0, d1, d2, d3]),
             },
+            3 => Next::Hold,
             _ => return None,
         };
         Some(Outputs {

@@ -11,10 +11,10 @@ mod requests;
 use core::borrow::BorrowMut;
 
 use embedded_io::Write;
-use pneudrive_protocol::session::OLD_HOSTS;
+use pneudrive_protocol::session::NOBODY;
 use pneudrive_protocol::{
-    Accumulator, CHUNK_SAMPLES, Event, InBoot, MAX_EVENTS, MAX_FRAME, MAX_ROWS, MAX_VALUES, MessageError,
-    Recent, RecordedSample, Refused, Reply, ReplyBody, StreamedSample, encode_reply, frame,
+    Accumulator, CHUNK_SAMPLES, Event, MAX_EVENTS, MAX_FRAME, MAX_ROWS, MAX_VALUES, MessageError,
+    RecordedSample, Refused, Reply, ReplyBody, Request, StreamedSample, decode_request, encode, frame,
 };
 
 use answers::{DIGEST_BETWEEN, digest};
@@ -32,20 +32,13 @@ use crate::stream::Stream;
 /// Version of the firmware, as `info` and TARGET files have it.
 pub const FIRMWARE: &str = concat!("pneudrive ", env!("CARGO_PKG_VERSION"));
 
-/// Messages of its own that it knows again: more than a line that brings them back holds.
-const SAID: usize = 16;
-
-/// Where a reply ends in [`Server::reply`], and its CRC; None: nothing is to be said.
-type Framed = Option<(usize, u32)>;
-
 /// The protocol server.
 #[derive(Clone, Debug)]
 pub struct Server {
     accumulator: Accumulator,
-    /// The last request, by its CRC, and its reply.
-    answered: Option<(u32, Framed)>,
+    /// The last request, by its CRC, and where its reply ends in `reply`.
+    answered: Option<(u32, usize)>,
     carried_out: CarriedOut,
-    said: Recent<SAID>,
     reply: [u8; MAX_FRAME],
     talk: Talk,
     /// The session that has asked last.
@@ -62,9 +55,9 @@ struct Talk {
 impl Server {
     /// All that it knows, but for bytes of replies before the last one.
     fn known(&self) -> impl PartialEq + core::hash::Hash + '_ {
-        let Server { accumulator, answered, carried_out, said, reply, talk, session } = self;
-        let len = answered.and_then(|(_, framed)| framed).map_or(0, |(len, _)| len);
-        (accumulator, answered, carried_out, said, reply.get(..len), talk, session)
+        let Server { accumulator, answered, carried_out, reply, talk, session } = self;
+        let len = answered.map_or(0, |(_, len)| len);
+        (accumulator, answered, carried_out, reply.get(..len), talk, session)
     }
 }
 
@@ -89,10 +82,9 @@ impl Default for Server {
             accumulator: Accumulator::new(),
             answered: None,
             carried_out: CarriedOut::default(),
-            said: Recent::default(),
             reply: [0; MAX_FRAME],
             talk: Talk::default(),
-            session: OLD_HOSTS,
+            session: NOBODY,
         }
     }
 }
@@ -115,7 +107,7 @@ impl Server {
     /// A request that comes twice, because its reply was lost, is carried out once and answered
     /// twice. One that changes something and comes again after later ones is not even answered: the host
     /// has had its answer, and an old `arm` must not follow on a `disarm`. What the line brings back of its
-    /// own replies is nothing of the host's.
+    /// own replies is no request.
     ///
     /// # Errors
     /// When the port does not take a reply.
@@ -142,25 +134,21 @@ impl Server {
         for &byte in bytes {
             let damaged = self.accumulator.damaged;
             let Some(Ok(message)) = self.accumulator.push(byte) else { continue };
-            let crc32 = frame::crc32(message);
-            if self.said.holds(crc32) {
-                continue;
-            }
-            let meant = InBoot::decode(message);
-            let of_this_boot = meant.ok().filter(|meant| is_heard(meant, drive));
+            let (crc32, request) = (frame::crc32(message), decode_request(message));
+            let of_this_boot = request.ok().filter(|request| is_heard(request, drive));
             if let Some(now) = of_this_boot {
-                self.session = now.asked.session;
+                self.session = now.session;
             }
-            let framed = match self.answered {
-                Some((answered, framed)) if answered == crc32 => framed,
-                _ if of_this_boot.is_some_and(|now| self.carried_out.has(&now, crc32)) => continue,
-                _ => answer(&meant, drive, damaged, &mut self.talk, &mut self.reply),
+            let len = match self.answered {
+                Some((answered, len)) if answered == crc32 => len,
+                _ if of_this_boot.is_some_and(|now| self.carried_out.has(&now.body, crc32)) => continue,
+                _ => match answer(&request, drive, damaged, &mut self.talk, &mut self.reply) {
+                    Some(len) => len,
+                    None => continue,
+                },
             };
-            self.answered = Some((crc32, framed));
-            if let Some((len, crc32)) = framed {
-                self.said.add(crc32);
-                port.write_all(self.reply.get(..len).unwrap_or(&[]))?;
-            }
+            self.answered = Some((crc32, len));
+            port.write_all(self.reply.get(..len).unwrap_or(&[]))?;
         }
         Ok(())
     }
@@ -178,10 +166,9 @@ impl Server {
         self.session
     }
 
-    /// The link to the host is closed, where a link can be: an owner at its end has gone. Hosts of version 4 and older
-    /// may have others beside them and are waited for.
+    /// The link to the host is closed, where a link can be: an owner at its end has gone.
     pub fn host_goes(&self, control: &mut Control<impl BorrowMut<Recorder>>) {
-        if self.session != OLD_HOSTS {
+        if self.session != NOBODY {
             control.host_leaves(self.session);
         }
     }
@@ -200,44 +187,39 @@ impl Server {
         let mut scratch = SCRATCH;
         let Some((sequence, body)) = self.talk.stream.due(&mut scratch) else { return Ok(()) };
         let mut frame = [0; MAX_FRAME];
-        let framed = encode_reply(&Reply { sequence, body }, &mut frame);
-        let Some((frame, crc32)) = framed else { return Ok(()) };
-        self.said.add(crc32);
-        port.write_all(frame)
+        port.write_all(encode(&Reply { sequence, body }, &mut frame).unwrap_or(&[]))
     }
 }
 
 /// Whether a request is meant for this boot: its host is there, then. One that was meant for another boot is no sign of
 /// that, nor does it change anything.
-fn is_heard(meant: &InBoot<'_>, drive: &mut impl SharedDrive) -> bool {
+fn is_heard(request: &Request<'_>, drive: &mut impl SharedDrive) -> bool {
     drive.lock(|control, board| {
-        let of_this_boot = meant.counts_in(board.store().boot());
+        let of_this_boot = request.boot == board.store().boot();
         if of_this_boot {
-            control.host_heard(meant.asked.session, meant.asked.request.sequence, board);
+            control.host_heard(request.session, request.sequence, board);
         }
         of_this_boot
     })
 }
 
-/// Carries out a request and frames its reply; none for a message that does not even have a number to answer
-/// under.
+/// Carries out a request and frames its reply: its length. None for what is not even a request.
 fn answer(
-    meant: &Result<InBoot<'_>, MessageError>,
+    request: &Result<Request<'_>, MessageError>,
     drive: &mut impl SharedDrive,
     damaged_frames: u32,
     talk: &mut Talk,
     frame: &mut [u8; MAX_FRAME],
-) -> Framed {
+) -> Option<usize> {
     let mut scratch = SCRATCH;
-    let reply = match meant {
-        Ok(meant) => Reply {
-            sequence: meant.asked.request.sequence,
-            body: carry_out(meant, drive, damaged_frames, talk, &mut scratch),
+    let reply = match request {
+        Ok(request) => Reply {
+            sequence: request.sequence,
+            body: carry_out(request, drive, damaged_frames, talk, &mut scratch),
         },
-        Err(error) => match error.sequence {
-            Some(sequence) => Reply { sequence, body: ReplyBody::Refused(Refused::Unknown) },
-            None => return None,
-        },
+        Err(MessageError { sequence }) => {
+            Reply { sequence: (*sequence)?, body: ReplyBody::Refused(Refused::Unknown) }
+        }
     };
-    encode_reply(&reply, frame).map(|(frame, crc32)| (frame.len(), crc32))
+    encode(&reply, frame).map(<[u8]>::len)
 }

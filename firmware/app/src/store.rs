@@ -5,7 +5,7 @@ use core::ops::Range;
 
 use embedded_storage::nor_flash::NorFlash;
 use pneudrive_controller::Parameters;
-use pneudrive_protocol::ANY_BOOT;
+use pneudrive_protocol::session::NO_BOOT;
 
 use crate::fault_log::{Event, FaultLog, FaultStore, Memory, Recovery, Restored};
 use crate::move_records::MoveRecords;
@@ -21,7 +21,7 @@ pub trait Store {
     fn load(&mut self) -> Load;
 
     /// The number of this boot: another one for each, whatever ended the one before.
-    /// [`ANY_BOOT`]: what is kept cannot tell.
+    /// [`NO_BOOT`]: what is kept cannot tell.
     fn boot(&self) -> u32;
 
     /// Stores the configuration; how often that was done, wrapping.
@@ -115,7 +115,7 @@ impl<F: NorFlash, M: BorrowMut<Memory>> FlashStore<F, M> {
         let faults = FaultStore::new(&flash, layout.faults)?;
         let (mut log, recovery) = FaultLog::recover(memory);
         let restored = log.restore(&faults, &mut flash);
-        let boot = log.count_boot(&faults, &mut flash).unwrap_or(ANY_BOOT);
+        let boot = log.count_boot(&faults, &mut flash).unwrap_or(NO_BOOT);
         Ok((FlashStore { flash, config, faults, log, boot }, recovery, restored))
     }
 

@@ -7,7 +7,7 @@ use pneudrive_app::configuration::Source;
 use pneudrive_app::ram_flash::RamFlash;
 use pneudrive_app::store::Store;
 use pneudrive_controller::parameters::id;
-use pneudrive_controller::{Fault, Mode, Move, Refusal};
+use pneudrive_controller::{Fault, Mode, Refusal};
 use pneudrive_protocol::ProfiledMove;
 use pneudrive_protocol::change::{Entry, PART_BYTES};
 
@@ -115,8 +115,7 @@ fn flash_is_not_written_while_a_steppers_spool_walks_to_mid_travel() {
     drive.set(id::STEPPER, 1);
     drive.set(id::OPEN_LOOP, 1);
     drive.control.at_null(&mut drive.board).expect("disarmed");
-    drive.control.set_test(pneudrive_app::control::Test::new("open", 99, 1, 0)).expect("disarmed");
-    drive.control.push_move(Move::step(0, 40)).expect("room");
+    drive.take_test(99, 40);
     drive.control.arm(&mut drive.board).expect("disarmed");
     drive.control.start(&mut drive.board).expect("armed");
     drive.samples(5);
@@ -135,8 +134,7 @@ fn what_was_learned_of_the_null_is_kept_at_the_next_arming() {
     drive.control.set_referenced().expect("disarmed");
     drive.set(id::LEARNING_GAIN, 256);
     drive.control.save_parameters(&mut drive.board).expect("disarmed");
-    drive.control.set_test(pneudrive_app::control::Test::new("learn", 9, 1, 0)).expect("disarmed");
-    drive.control.push_move(Move::step(0, 107)).expect("room");
+    drive.take_test(9, 107);
     drive.control.arm(&mut drive.board).expect("disarmed");
     drive.control.start(&mut drive.board).expect("armed");
     drive.samples(11);

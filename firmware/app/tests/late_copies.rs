@@ -8,13 +8,11 @@ use pneudrive_controller::parameters::id;
 use pneudrive_controller::{Command, Mode};
 use pneudrive_protocol::{RequestBody, Values};
 
-const HOST: u32 = 0xfeed_beef;
-
 /// A referenced drive in its first boot, and a host that means it.
 fn first_boot() -> Bench {
     let mut bench = Bench::referenced();
     bench.board.store.boot = 1;
-    (bench.session, bench.boot) = (HOST, 1);
+    bench.boot = 1;
     bench
 }
 
@@ -51,7 +49,7 @@ fn a_drive_tells_its_boot() {
 #[test]
 fn copies_of_arming_and_homing_from_before_a_reset_do_not_move_the_drive() {
     let mut bench = first_boot();
-    let arm = bench.done_in(RequestBody::ArmAs { host: "one" });
+    let arm = bench.done_in(RequestBody::Arm { host: "one" });
     let home = bench.done_in(RequestBody::Home);
     assert_eq!(bench.mode(), Mode::Homing);
     bench.reset();
@@ -65,26 +63,13 @@ fn copies_of_arming_and_homing_from_before_a_reset_do_not_move_the_drive() {
 #[test]
 fn a_copy_of_homing_does_not_move_a_drive_that_its_host_has_armed_again_since() {
     let mut bench = first_boot();
-    bench.done(RequestBody::ArmAs { host: "one" });
+    bench.done(RequestBody::Arm { host: "one" });
     let home = bench.done_in(RequestBody::Home);
     bench.reset_and_met();
-    bench.done(RequestBody::ArmAs { host: "one" });
+    bench.done(RequestBody::Arm { host: "one" });
     bench.send(&home);
     bench.samples(1);
     assert_eq!(bench.mode(), Mode::Armed);
-}
-
-/// A host of version 5 has no way to say which boot it means: docs/link.md says so.
-#[test]
-fn copies_from_a_host_of_version_5_still_move_the_drive() {
-    let mut bench = first_boot();
-    bench.boot = 0;
-    let arm = bench.done_in(RequestBody::ArmAs { host: "one" });
-    let home = bench.done_in(RequestBody::Home);
-    bench.reset();
-    bench.send(&arm);
-    bench.send(&home);
-    assert_eq!(bench.mode(), Mode::Homing);
 }
 
 #[test]
@@ -96,17 +81,12 @@ fn a_request_for_another_boot_is_refused_with_the_number_of_this_one_and_changes
     bench.reset();
     for body in [
         set,
-        RequestBody::Arm,
-        RequestBody::ArmAs { host: "one" },
+        RequestBody::Arm { host: "one" },
         RequestBody::TakeOver { host: "one" },
         RequestBody::Leave,
-        RequestBody::Start,
-        RequestBody::StartTest { crc32: 0 },
+        RequestBody::Start { crc32: 0 },
         RequestBody::Home,
         RequestBody::Reference { position_counts: 5 },
-        RequestBody::TestBegin { name: "x", duration_us: 0, decimation: 1, pre_trigger: 0 },
-        RequestBody::TestMove { time_us: 0, target: 5 },
-        RequestBody::TestSpan { last_sample: 5, round: 0 },
         RequestBody::ChangeTake { crc32: 0 },
         RequestBody::ConfigSave,
         RequestBody::StreamBegin { every: 1, batch: 1 },
@@ -121,7 +101,7 @@ fn a_request_for_another_boot_is_refused_with_the_number_of_this_one_and_changes
 fn stopping_disarming_and_reading_count_in_any_boot() {
     let mut bench = first_boot();
     bench.reset_and_met();
-    bench.done(RequestBody::ArmAs { host: "one" });
+    bench.done(RequestBody::Arm { host: "one" });
     bench.boot = 1;
     assert!(bench.ask(RequestBody::Status).starts_with("Status"));
     bench.done(RequestBody::Disarm);
@@ -134,7 +114,7 @@ fn a_copy_from_before_a_reset_is_no_sign_that_its_host_is_there() {
     bench.board.host_clock_ms = Some(0);
     let status = bench.done_in(RequestBody::Status);
     bench.reset_and_met();
-    bench.done(RequestBody::ArmAs { host: "one" });
+    bench.done(RequestBody::Arm { host: "one" });
     bench.done(RequestBody::Home);
     for _ in 0..4 {
         bench.board.host_clock_ms = bench.board.host_clock_ms.map(|now| now + 200);
@@ -148,15 +128,15 @@ fn a_copy_from_before_a_reset_is_no_sign_that_its_host_is_there() {
 #[test]
 fn a_drive_that_cannot_tell_its_boots_apart_refuses_requests_that_name_one() {
     let mut bench = first_boot();
-    let arm = bench.done_in(RequestBody::ArmAs { host: "one" });
+    let arm = bench.done_in(RequestBody::Arm { host: "one" });
     bench.reset();
     bench.board.store.boot = 0;
     bench.send(&arm);
     assert_eq!(bench.mode(), Mode::Disarmed, "the flash has failed since");
-    assert_eq!(bench.ask(RequestBody::ArmAs { host: "one" }), "Refused(OtherBoot { number: 0 })");
+    assert_eq!(bench.ask(RequestBody::Arm { host: "one" }), "Refused(OtherBoot { number: 0 })");
     bench.boot = 0;
     assert_eq!(bench.ask(RequestBody::Boot), "Boot { number: 0 }");
-    bench.done(RequestBody::ArmAs { host: "one" });
+    bench.done(RequestBody::Arm { host: "one" });
 }
 
 #[test]
@@ -164,7 +144,7 @@ fn copies_from_before_a_reset_do_not_make_the_drive_forget_what_it_has_carried_o
     let mut bench = first_boot();
     let stale: Vec<_> = (0..8).map(|_| bench.done_in(RequestBody::Leave)).collect();
     bench.reset_and_met();
-    let arm = bench.done_in(RequestBody::ArmAs { host: "one" });
+    let arm = bench.done_in(RequestBody::Arm { host: "one" });
     bench.done(RequestBody::Disarm);
     for copy in &stale {
         bench.send(copy);

@@ -2,9 +2,10 @@
 
 mod bench;
 
-use bench::Bench;
+use bench::{ARM, Bench, change};
 use pneudrive_controller::parameters::id;
 use pneudrive_controller::{Mode, Refusal};
+use pneudrive_protocol::change::Entry;
 use pneudrive_protocol::{RequestBody, UNTIL_STOPPED, Values};
 
 /// An open-loop drive with a sample each 20 ms, whose test has two moves.
@@ -15,10 +16,13 @@ fn slow_bench() -> Bench {
         let values = Values::fill(&mut room, [value]).expect("room");
         bench.done(RequestBody::ConfigSet { first_id, values });
     }
-    bench.done(RequestBody::TestBegin { name: "long", duration_us: u32::MAX, decimation: 1, pre_trigger: 0 });
-    bench.done(RequestBody::TestMove { time_us: 0, target: 40 });
-    bench.done(RequestBody::TestMove { time_us: 40_000, target: 0 });
     bench
+}
+
+/// A test that ends with this sample, of two moves that come again every so many samples.
+fn test(last_sample: u32, round: u32) -> [Entry<'static>; 3] {
+    let test = Entry::Test { name: "long", last_sample, round, decimation: 1, pre_trigger: 0 };
+    [test, Entry::Move { at_sample: 0, target: 40 }, Entry::Move { at_sample: 2, target: 0 }]
 }
 
 /// Samples on end, a period of this bench apart.
@@ -39,9 +43,9 @@ fn setpoint(bench: &Bench) -> i32 {
 fn a_test_of_two_hours_runs_for_two_hours_and_its_moves_come_again_each_round() {
     let mut bench = slow_bench();
     let two_hours = 7_200_000_000_u64 / 20_000;
-    bench.done(RequestBody::TestSpan { last_sample: two_hours as u32, round: 5 });
-    bench.done(RequestBody::Arm);
-    bench.done(RequestBody::Start);
+    bench.takes(&test(two_hours as u32, 5));
+    bench.done(ARM);
+    bench.done(bench.start_request());
     for k in 0..=two_hours {
         pass(&mut bench, 1);
         assert_eq!(setpoint(&bench), if k % 5 < 2 { 40 } else { 0 }, "sample {k}");
@@ -56,9 +60,9 @@ fn a_test_of_two_hours_runs_for_two_hours_and_its_moves_come_again_each_round() 
 #[test]
 fn a_test_without_an_end_runs_until_it_is_stopped() {
     let mut bench = slow_bench();
-    bench.done(RequestBody::TestSpan { last_sample: UNTIL_STOPPED, round: 5 });
-    bench.done(RequestBody::Arm);
-    bench.done(RequestBody::Start);
+    bench.takes(&test(UNTIL_STOPPED, 5));
+    bench.done(ARM);
+    bench.done(bench.start_request());
     pass(&mut bench, 300_000);
     assert_eq!(bench.mode(), Mode::Running, "after 100 minutes");
     bench.done(RequestBody::Disarm);
@@ -68,12 +72,16 @@ fn a_test_without_an_end_runs_until_it_is_stopped() {
 #[test]
 fn a_span_that_cannot_be_kept_is_refused_and_changes_nothing() {
     let mut bench = slow_bench();
-    let span = |last_sample, round| RequestBody::TestSpan { last_sample, round };
-    bench.done(span(99, 3));
-    assert_eq!(bench.ask(span(u32::MAX, 0)), "Refused(TestTooLong)");
-    assert_eq!(bench.ask(span(50, 2)), "Refused(MovesOutOfOrder)", "the second move is at sample 2");
-    bench.done(RequestBody::Arm);
-    assert_eq!(bench.ask(span(50, 3)), format!("Refused(NotNow({}))", Refusal::NotDisarmed.code()));
+    bench.takes(&test(99, 3));
+    assert_eq!(bench.take(&change(&test(u32::MAX, 0))), "Refused(TestTooLong)");
+    assert_eq!(
+        bench.take(&change(&test(50, 2))),
+        "Refused(MovesOutOfOrder)",
+        "the second move is at sample 2"
+    );
+    bench.done(ARM);
+    let refused = format!("Refused(NotNow({}))", Refusal::NotDisarmed.code());
+    assert_eq!(bench.take(&change(&test(50, 3))), refused);
     let sequence = bench.app.control.test().sequence();
     assert_eq!((sequence.duration_samples, sequence.round()), (99, 3));
 }

@@ -1,35 +1,21 @@
-//! Two hosts and older ones at one drive: the one that has armed it commands, the others read and stop.
+//! Two hosts at one drive: the one that has armed it commands, the others read and stop.
 
 mod bench;
 
 use bench::Bench;
-use pneudrive_app::storage::configuration_hash;
-use pneudrive_controller::{Command, Fault, Mode, Parameters, Refusal};
-use pneudrive_protocol::change::start_crc32;
+use pneudrive_controller::{Command, Fault, Mode, Refusal};
 use pneudrive_protocol::{ReplyBody, RequestBody, code};
 
 const ONE: u32 = 0xfeed_beef;
-const OTHER: u32 = 7;
-const OLD: u32 = 0;
-
-/// The CRC-32 of the test.
-const TEST: u32 = 5;
-
-/// Starts the test with the parameters of a new rig, which none of these hosts changes.
-fn start() -> RequestBody<'static> {
-    let parameters = configuration_hash(&Parameters::default());
-    RequestBody::StartTest { crc32: start_crc32(TEST, parameters) }
-}
+const OTHER: u32 = 1007;
 
 /// A bench with a clock, whose drive the host `ONE` has armed for a test of 1000 samples.
 fn armed_by_one() -> Bench {
     let mut bench = Bench::referenced();
     bench.board.host_clock_ms = Some(1000);
     bench.test(1000, 1, 0);
-    let test = bench.app.control.test().clone().named(TEST);
-    bench.app.control.set_test(test).expect("disarmed");
     bench.session = ONE;
-    bench.done(RequestBody::ArmAs { host: "one" });
+    bench.done(RequestBody::Arm { host: "one" });
     bench
 }
 
@@ -58,14 +44,14 @@ fn while_its_owner_is_there_another_host_reads_and_stops_and_does_nothing_else()
     bench.session = OTHER;
     for body in [
         RequestBody::Disarm,
-        RequestBody::ArmAs { host: "other" },
+        RequestBody::Arm { host: "other" },
         RequestBody::TakeOver { host: "other" },
-        start(),
+        bench.start_request(),
         RequestBody::Home,
         RequestBody::Reference { position_counts: 5 },
         RequestBody::ConfigSave,
-        RequestBody::TestMove { time_us: 9000, target: 1 },
-        RequestBody::TestSpan { last_sample: 5, round: 0 },
+        RequestBody::ChangePart { crc32: 0, first: 0, part: &[] },
+        RequestBody::ChangeTake { crc32: 0 },
     ] {
         bench.is_owned(body);
     }
@@ -89,33 +75,16 @@ fn while_its_owner_is_there_another_host_reads_and_stops_and_does_nothing_else()
     bench.done(RequestBody::Stop);
     assert_eq!(bench.mode(), Mode::Fault(Fault::Stop));
     assert_eq!(bench.owner(), ("Nobody".to_owned(), 0, 0), "a trip ends the ownership");
-    bench.done(RequestBody::ArmAs { host: "other" });
+    bench.done(RequestBody::Arm { host: "other" });
     assert_eq!(bench.owner(), ("There".to_owned(), OTHER, 0));
-}
-
-#[test]
-fn an_old_host_is_told_in_words_that_it_knows_that_another_one_commands() {
-    let mut bench = armed_by_one();
-    bench.session = OLD;
-    for body in [RequestBody::Disarm, RequestBody::Arm, start()] {
-        assert_eq!(bench.ask(body), format!("Refused(NotNow({}))", code::OWNED), "{body:?}");
-    }
-    bench.done(RequestBody::Stop);
-    bench.done(RequestBody::Arm);
-    assert_eq!(bench.owner(), ("There".to_owned(), OLD, 0), "all old hosts are one session");
-    bench.session = OTHER;
-    let refused = bench.ask(RequestBody::Disarm);
-    assert!(refused.contains("There, session: 0"), "{refused}");
 }
 
 #[test]
 fn an_owner_that_leaves_or_falls_silent_can_be_disarmed_and_taken_over_but_not_started() {
     for leaves in [true, false] {
-        for body in [
-            RequestBody::Disarm,
-            RequestBody::ArmAs { host: "other" },
-            RequestBody::TakeOver { host: "other" },
-        ] {
+        for body in
+            [RequestBody::Disarm, RequestBody::Arm { host: "other" }, RequestBody::TakeOver { host: "other" }]
+        {
             let mut bench = armed_by_one();
             if leaves {
                 bench.done(RequestBody::Leave);
@@ -124,13 +93,13 @@ fn an_owner_that_leaves_or_falls_silent_can_be_disarmed_and_taken_over_but_not_s
             }
             bench.session = OTHER;
             assert_eq!(bench.owner(), ("Gone".to_owned(), ONE, if leaves { 0 } else { 501 }));
-            bench.is_owned(start());
+            bench.is_owned(bench.start_request());
             bench.done(body);
             if body == RequestBody::Disarm {
                 assert_eq!(bench.mode(), Mode::Disarmed);
             } else {
                 assert_eq!(bench.owner(), ("There".to_owned(), OTHER, 0));
-                bench.done(start());
+                bench.done(bench.start_request());
             }
         }
     }
@@ -146,15 +115,15 @@ fn an_owner_that_was_only_silent_commands_again_unless_another_host_has_taken_ov
     bench.session = OTHER;
     bench.done(RequestBody::TakeOver { host: "other" });
     bench.session = ONE;
-    let refused = bench.ask(start());
+    let refused = bench.ask(bench.start_request());
     assert!(refused.contains("host: \"other\""), "{refused}");
 }
 
 /// The line had held the request back, and its program had given up: the drive moved for half a second until it missed it.
 #[test]
 fn a_start_that_comes_after_a_silence_of_its_host_moves_nothing_until_that_has_armed_or_taken_over_again() {
-    for body in [start(), RequestBody::Start, RequestBody::Home] {
-        for again in [RequestBody::ArmAs { host: "one" }, RequestBody::TakeOver { host: "one" }] {
+    for body in [armed_by_one().start_request(), RequestBody::Home] {
+        for again in [RequestBody::Arm { host: "one" }, RequestBody::TakeOver { host: "one" }] {
             for heard_before in [false, true] {
                 let mut bench = armed_by_one();
                 bench.waits(501);
@@ -168,32 +137,22 @@ fn a_start_that_comes_after_a_silence_of_its_host_moves_nothing_until_that_has_a
                 );
                 assert_eq!(bench.mode(), Mode::Armed);
                 bench.done(again);
-                bench.done(if body == RequestBody::Start { start() } else { body });
+                bench.done(body);
             }
         }
     }
     let mut in_time = armed_by_one();
     in_time.waits(500);
-    in_time.done(start());
-}
-
-#[test]
-fn hosts_that_have_no_session_start_after_any_silence_as_ever() {
-    let mut bench = armed_by_one();
-    bench.done(RequestBody::Stop);
-    bench.session = OLD;
-    bench.done(RequestBody::Arm);
-    bench.waits(5000);
-    bench.done(start());
+    in_time.done(in_time.start_request());
 }
 
 #[test]
 fn an_owner_that_has_left_must_take_over_as_anybody_else() {
     let mut bench = armed_by_one();
     bench.done(RequestBody::Leave);
-    bench.is_owned(start());
+    bench.is_owned(bench.start_request());
     bench.done(RequestBody::TakeOver { host: "one" });
-    bench.done(start());
+    bench.done(bench.start_request());
 }
 
 #[test]
@@ -208,7 +167,7 @@ fn nobody_takes_over_what_nobody_has_armed() {
 #[test]
 fn the_silence_of_the_owner_trips_a_run_whoever_else_talks() {
     let mut bench = armed_by_one();
-    bench.done(start());
+    bench.done(bench.start_request());
     bench.session = OTHER;
     for _ in 0..5 {
         bench.waits(100);
@@ -222,7 +181,7 @@ fn the_silence_of_the_owner_trips_a_run_whoever_else_talks() {
 #[test]
 fn an_owner_that_leaves_while_its_drive_moves_is_missed_as_if_it_were_silent() {
     let mut bench = armed_by_one();
-    bench.done(start());
+    bench.done(bench.start_request());
     bench.done(RequestBody::Leave);
     bench.waits(500);
     bench.ask(RequestBody::Status);
@@ -234,14 +193,14 @@ fn an_owner_that_leaves_while_its_drive_moves_is_missed_as_if_it_were_silent() {
 #[test]
 fn a_name_of_a_host_that_is_too_long_is_cut() {
     let mut bench = Bench::referenced();
-    bench.done(RequestBody::ArmAs { host: &"n".repeat(60) });
+    bench.done(RequestBody::Arm { host: &"n".repeat(60) });
     assert!(bench.ask(RequestBody::Owner).contains(&format!("\"{}\"", "n".repeat(32))));
 }
 
 /// An armed drive of `ONE`, its run over.
 fn done_by_one() -> Bench {
     let mut bench = armed_by_one();
-    bench.done(start());
+    bench.done(bench.start_request());
     bench.samples(1002);
     assert_eq!(bench.mode(), Mode::Done);
     bench
@@ -285,7 +244,7 @@ fn a_drive_whose_owner_is_heard_holds_as_long_as_it_likes() {
 #[test]
 fn a_drive_that_holds_and_is_pushed_at_a_wide_open_valve_without_moving_trips() {
     let mut bench = armed_by_one();
-    bench.done(start());
+    bench.done(bench.start_request());
     bench.samples(1000);
     bench.board.stands = true;
     bench.samples(2);
@@ -299,7 +258,7 @@ fn a_drive_that_holds_and_is_pushed_at_a_wide_open_valve_without_moving_trips() 
 fn what_a_gateway_repeats_of_a_silent_owner_keeps_no_drive_moving() {
     for repeated in [1, 3] {
         let mut bench = armed_by_one();
-        bench.done(start());
+        bench.done(bench.start_request());
         let frames: Vec<_> = (0..repeated).map(|_| bench.frame(RequestBody::Status)).collect();
         for frame in &frames {
             bench.waits(100);
@@ -317,9 +276,9 @@ fn what_a_gateway_repeats_of_a_silent_owner_keeps_no_drive_moving() {
 #[test]
 fn the_request_that_arms_is_no_sign_of_life_when_it_is_repeated() {
     let mut bench = armed_by_one();
-    let arms = bench.frame(RequestBody::ArmAs { host: "one" });
+    let arms = bench.frame(RequestBody::Arm { host: "one" });
     bench.send(&arms);
-    bench.done(start());
+    bench.done(bench.start_request());
     for _ in 0..6 {
         bench.waits(100);
         bench.send(&arms);
@@ -332,8 +291,8 @@ fn the_request_that_arms_is_no_sign_of_life_when_it_is_repeated() {
 fn an_owner_whose_numbers_wrap_is_heard_on() {
     let mut bench = armed_by_one();
     bench.sequence = u16::MAX - 3;
-    bench.done(RequestBody::ArmAs { host: "one" });
-    bench.done(start());
+    bench.done(RequestBody::Arm { host: "one" });
+    bench.done(bench.start_request());
     for _ in 0..8 {
         bench.waits(400);
         let frame = bench.frame(RequestBody::Status);

@@ -3,7 +3,6 @@
 use std::cell::{Cell, RefCell};
 use std::rc::Rc;
 
-use pneudrive_app::control::Test;
 use pneudrive_app::fault_log::MEMORY_BYTES;
 use pneudrive_app::lock_step::Stopwatch;
 use pneudrive_app::plant_bus::{HELLO, Inputs, Next, Outputs, Tempo};
@@ -11,7 +10,8 @@ use pneudrive_app::plant_link::{Line, PATIENCE_MS, PlantLink};
 use pneudrive_app::ram_flash::RamFlash;
 use pneudrive_app::store::{FlashStore, Store};
 use pneudrive_app::{Board, Control, LockStep};
-use pneudrive_controller::{Fault, Mode, Move, Sample};
+use pneudrive_controller::{Fault, Mode, Sample};
+use pneudrive_protocol::change::Entry;
 
 type Kept = FlashStore<RamFlash, [u8; MEMORY_BYTES]>;
 
@@ -118,8 +118,11 @@ impl Bench {
     }
 
     fn arm(&mut self) {
-        self.control.set_test(Test::new("still", 9999, 1, 0)).expect("disarmed");
-        self.control.push_move(Move::step(0, 200)).expect("room");
+        let test = Entry::Test { name: "still", last_sample: 9999, round: 0, decimation: 1, pre_trigger: 0 };
+        let mut room = [0; 64];
+        let entries = [test, Entry::Move { at_sample: 0, target: 200 }];
+        let change = entries.map(|entry| entry.write(&mut room).expect("room").to_vec()).concat();
+        self.control.take_change(&change).expect("disarmed");
         self.control.arm(&mut self.board).expect("disarmed");
     }
 

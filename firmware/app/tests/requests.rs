@@ -2,9 +2,10 @@
 
 mod bench;
 
-use bench::Bench;
+use bench::{ARM, Bench};
 use pneudrive_controller::parameters::{TABLE, id};
 use pneudrive_controller::{Command, Fault, Mode, Refusal};
+use pneudrive_protocol::change::Entry;
 use pneudrive_protocol::{
     Accumulator, MAX_FRAME, MAX_VALUES, Refused, ReplyBody, RequestBody, Values, decode_reply,
 };
@@ -23,7 +24,7 @@ fn a_new_rig_is_disarmed_with_the_valve_at_null() {
 #[test]
 fn an_arm_that_comes_late_a_second_time_does_not_follow_on_the_disarm() {
     let mut bench = Bench::referenced();
-    let [arm, disarm] = [RequestBody::Arm, RequestBody::Disarm].map(|body| bench.frame(body));
+    let [arm, disarm] = [ARM, RequestBody::Disarm].map(|body| bench.frame(body));
     let answer = bench.send(&arm);
     assert_eq!(bench.send(&arm), answer, "its reply was lost: it is answered again");
     bench.send(&disarm);
@@ -50,19 +51,15 @@ fn what_only_reads_is_answered_as_often_as_it_is_asked() {
 fn closed_loop_is_refused_before_the_axis_is_referenced() {
     let mut bench = Bench::default();
     bench.armed(9, 1, 0);
-    bench.refused(RequestBody::Start, Refusal::NotReferenced);
+    bench.refused(bench.start_request(), Refusal::NotReferenced);
     assert_eq!(bench.mode(), Mode::Armed);
 }
 
 #[test]
 fn a_request_that_comes_twice_is_carried_out_once_and_answered_twice() {
     let mut bench = Bench::referenced();
-    bench.done(RequestBody::TestBegin { name: "t", duration_us: 13_000, decimation: 1, pre_trigger: 0 });
-    let frame = bench.frame(RequestBody::TestMove { time_us: 0, target: 1 });
-    assert_eq!(bench.send(&frame), bench.send(&frame));
-    assert_eq!(bench.app.control.test().sequence().moves().len(), 1);
-    bench.done(RequestBody::Arm);
-    let frame = bench.frame(RequestBody::Start);
+    bench.armed(9, 1, 0);
+    let frame = bench.frame(bench.start_request());
     assert_eq!(bench.send(&frame), bench.send(&frame), "not refused as running already");
 }
 
@@ -98,31 +95,15 @@ fn parameters_change_all_or_none_and_only_while_disarmed() {
     bench.armed(10, 1, 0);
     let refused = format!("Refused(NotNow({}))", Refusal::NotDisarmed.code());
     assert_eq!(ask_set(&mut bench, id::VELOCITY_GAIN, &[1]), refused);
-    bench.refused(
-        RequestBody::TestBegin { name: "", duration_us: 1, decimation: 1, pre_trigger: 0 },
-        Refusal::NotDisarmed,
-    );
-    bench.refused(RequestBody::TestMove { time_us: 0, target: 0 }, Refusal::NotDisarmed);
-}
-
-#[test]
-fn moves_out_of_order_and_too_many_are_refused() {
-    let mut bench = Bench::referenced();
-    bench.done(RequestBody::TestBegin { name: "t", duration_us: 13_000, decimation: 1, pre_trigger: 0 });
-    for _ in 0..64 {
-        bench.done(RequestBody::TestMove { time_us: 2600, target: 1 });
-    }
-    assert_eq!(bench.ask(RequestBody::TestMove { time_us: 0, target: 1 }), "Refused(MovesOutOfOrder)");
-    assert_eq!(bench.ask(RequestBody::TestMove { time_us: 2600, target: 1 }), "Refused(TooManyMoves)");
 }
 
 #[test]
 fn nothing_starts_that_is_not_armed_or_has_no_moves() {
     let mut bench = Bench::referenced();
-    bench.done(RequestBody::Arm);
-    bench.refused(RequestBody::Start, Refusal::NoMoves);
+    bench.done(ARM);
+    bench.refused(bench.start_request(), Refusal::NoMoves);
     bench.done(RequestBody::Disarm);
-    bench.refused(RequestBody::Start, Refusal::NotArmed);
+    bench.refused(bench.start_request(), Refusal::NotArmed);
     assert_eq!(bench.mode(), Mode::Fault(Fault::CommandWhileDisarmed));
     bench.samples(1);
     assert_eq!(bench.board.driven, [Command::OFF]);
@@ -141,7 +122,8 @@ fn noise_between_requests_costs_nothing_but_the_count_of_damaged_frames() {
 fn a_request_of_a_later_version_is_answered_as_unknown() {
     let mut bench = Bench::default();
     let mut frame = [0; MAX_FRAME];
-    let frame = pneudrive_protocol::frame::encode(&[5, 99, 1, 2, 3], &mut frame).expect("fits").to_vec();
+    let later = [5, 0x80, 0x01, 0, 99, 1, 2, 3];
+    let frame = pneudrive_protocol::frame::encode(&later, &mut frame).expect("fits").to_vec();
     let reply = bench.send(&frame);
     let mut accumulator: Accumulator = Accumulator::new();
     let message = reply.iter().find_map(|&byte| accumulator.push(byte).map(|m| m.expect("whole").to_vec()));
@@ -154,7 +136,7 @@ fn a_request_of_a_later_version_is_answered_as_unknown() {
 fn names_of_tests_are_cut_at_a_character() {
     let mut bench = Bench::referenced();
     let name = "e".repeat(31) + "\u{e9}";
-    bench.done(RequestBody::TestBegin { name: &name, duration_us: 1, decimation: 1, pre_trigger: 0 });
+    bench.takes(&[Entry::Test { name: &name, last_sample: 1, round: 0, decimation: 1, pre_trigger: 0 }]);
     assert_eq!(bench.app.control.test().name(), "e".repeat(31));
 }
 
@@ -181,14 +163,15 @@ fn a_reference_sets_the_counter_and_a_new_encoder_takes_the_reference_away() {
 fn a_new_timing_takes_the_moves_with_it_and_a_change_the_record() {
     let mut bench = Bench::referenced();
     bench.armed(9, 1, 0);
-    bench.done(RequestBody::Start);
+    bench.done(bench.start_request());
     bench.samples(11);
     bench.done(RequestBody::Disarm);
     assert_eq!(bench.record().1.len(), 10);
     let mut room = [0; 4];
     let values = Values::fill(&mut room, [1400]).expect("room");
     bench.done(RequestBody::ConfigSet { first_id: id::PERIOD_US, values });
-    assert_eq!(bench.ask(RequestBody::RecordRead { first: 0, count: 1 }), "Refused(NoRecord)");
-    bench.done(RequestBody::Arm);
-    bench.refused(RequestBody::Start, Refusal::NoMoves);
+    let none = bench.read(0, 1);
+    assert_eq!(bench.ask(none), "Refused(NoRecord)");
+    bench.done(ARM);
+    bench.refused(bench.start_request(), Refusal::NoMoves);
 }

@@ -2,10 +2,11 @@
 
 mod bench;
 
-use bench::{Bench, FakeBoard};
+use bench::{ARM, Bench, FakeBoard};
 use pneudrive_app::{Control, Recorder, SharedDrive};
 use pneudrive_controller::parameters::id;
 use pneudrive_controller::{Config, Mode};
+use pneudrive_protocol::change::Entry;
 use pneudrive_protocol::{RequestBody, Values};
 
 /// A drive whose control runs before each piece of work.
@@ -46,7 +47,7 @@ fn holding(samples: u32) -> Bench {
     let mut bench = Bench::referenced();
     bench.board.stands = true;
     bench.armed(samples, 1, 0);
-    bench.done(RequestBody::Start);
+    bench.done(bench.start_request());
     bench.samples(samples + 2);
     assert_eq!(bench.mode(), Mode::Done);
     bench
@@ -56,7 +57,7 @@ fn holding(samples: u32) -> Bench {
 fn a_record_and_parameters_are_read_between_samples_as_without_them() {
     for body in [
         RequestBody::RecordInfo,
-        RequestBody::RecordRead { first: 7, count: 32 },
+        holding(200).read(7, 32),
         RequestBody::ConfigGet { first_id: id::GAIN_PROFILE, count: 64 },
         RequestBody::ConfigState,
     ] {
@@ -75,17 +76,17 @@ fn an_arm_between_samples_puts_in_force_what_was_learned_and_nothing_else() {
     let mut bench = Bench::referenced();
     set(&mut bench, id::LEARNING_GAIN, 256);
     bench.board.stands = true;
-    bench.test(9, 1, 0);
-    bench.done(RequestBody::TestMove { time_us: 5200, target: 7 });
-    bench.done(RequestBody::Arm);
-    bench.done(RequestBody::Start);
+    let test = Entry::Test { name: "learn", last_sample: 9, round: 0, decimation: 1, pre_trigger: 0 };
+    bench.takes(&[test, Entry::Move { at_sample: 0, target: 500 }, Entry::Move { at_sample: 4, target: 7 }]);
+    bench.done(ARM);
+    bench.done(bench.start_request());
     bench.samples(11);
     let learned = bench.app.control.state().learned_null_offset();
     assert_ne!(learned, 0);
     let mut expected = bench.app.control.parameters().clone();
     expected.set(id::NULL_OFFSET_COUNTS, learned).expect("in range");
 
-    let (_, pieces) = interrupted(&mut bench, RequestBody::Arm);
+    let (_, pieces) = interrupted(&mut bench, ARM);
     assert!(pieces > 3, "{pieces}");
     let control = &bench.app.control;
     assert_eq!((bench.mode(), control.state().learned_null_offset()), (Mode::Armed, 0));
@@ -99,7 +100,7 @@ fn an_arm_between_samples_puts_in_force_what_was_learned_and_nothing_else() {
 fn a_stop_takes_effect_at_the_output_behind_its_piece() {
     let mut bench = Bench::referenced();
     bench.armed(100, 1, 0);
-    bench.done(RequestBody::Start);
+    bench.done(bench.start_request());
     bench.samples(3);
     let _ = interrupted(&mut bench, RequestBody::Stop);
     bench.samples(1);

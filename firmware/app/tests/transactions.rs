@@ -2,15 +2,15 @@
 
 mod bench;
 
-use bench::Bench;
+use bench::{Bench, change};
 use pneudrive_controller::parameters::id;
 use pneudrive_controller::{Mode, Refusal};
-use pneudrive_protocol::change::{Entry, PART_BYTES, start_crc32, test_crc32};
+use pneudrive_protocol::change::{Entry, start_crc32, test_crc32};
 use pneudrive_protocol::profiled::NO_MOVE;
-use pneudrive_protocol::{ProfiledMove, RequestBody, UNTIL_STOPPED, Values, code, frame};
+use pneudrive_protocol::{ProfiledMove, RequestBody, UNTIL_STOPPED, Values, frame};
 
-const ONE: u32 = 11;
-const OTHER: u32 = 22;
+const ONE: u32 = 1011;
+const OTHER: u32 = 1022;
 
 const TEST: Entry<'_> = test_of("whole", 100);
 const FIRST: Entry<'_> = Entry::Move { at_sample: 0, target: 500 };
@@ -18,11 +18,6 @@ const SECOND: Entry<'_> = Entry::Move { at_sample: 4, target: 0 };
 
 const fn test_of(name: &str, last_sample: u32) -> Entry<'_> {
     Entry::Test { name, last_sample, round: 0, decimation: 1, pre_trigger: 0 }
-}
-
-fn change(entries: &[Entry<'_>]) -> Vec<u8> {
-    let mut room = [0; PART_BYTES];
-    entries.iter().flat_map(|entry| entry.write(&mut room).expect("room").to_vec()).collect()
 }
 
 /// Parameters as an entry.
@@ -33,22 +28,14 @@ fn parameters(first_id: u16, values: &[i32]) -> Vec<u8> {
 }
 
 impl Bench {
-    /// A referenced bench, asked by a host of version 5.
+    /// A referenced bench, asked by this host.
     fn of(session: u32) -> Bench {
         Bench { session, ..Bench::referenced() }
     }
 
-    fn take(&mut self, change: &[u8]) -> String {
-        let crc32 = frame::crc32(change);
-        for (index, part) in change.chunks(7).enumerate() {
-            self.done(RequestBody::ChangePart { crc32, first: 7 * index as u16, part });
-        }
-        self.ask(RequestBody::ChangeTake { crc32 })
-    }
-
-    fn start(&mut self, change: &[u8]) -> String {
+    fn start_of(&mut self, change: &[u8]) -> String {
         let parameters = self.app.control.configuration().hash();
-        self.ask(RequestBody::StartTest { crc32: start_crc32(test_crc32(change), parameters) })
+        self.ask(RequestBody::Start { crc32: start_crc32(test_crc32(change), parameters) })
     }
 
     fn gain(&self) -> i32 {
@@ -67,8 +54,8 @@ fn parameters_and_test_are_taken_together_and_run() {
     let whole = [parameters(id::VELOCITY_GAIN, &[77]), change(&[TEST, FIRST, SECOND])].concat();
     assert_eq!(bench.take(&whole), "Done");
     assert_eq!((bench.gain(), bench.test_is()), (77, ("whole", 100, 2)));
-    bench.done(RequestBody::ArmAs { host: "one" });
-    assert_eq!(bench.start(&whole), "Done");
+    bench.done(RequestBody::Arm { host: "one" });
+    assert_eq!(bench.start_of(&whole), "Done");
     bench.samples(102);
     assert_eq!(bench.mode(), Mode::Done);
     assert_eq!(bench.record().1.len(), 101);
@@ -141,7 +128,7 @@ fn a_change_is_taken_only_once_all_its_parts_have_come() {
 #[test]
 fn nothing_is_taken_by_an_enabled_drive() {
     let mut bench = Bench::of(ONE);
-    bench.done(RequestBody::ArmAs { host: "one" });
+    bench.done(RequestBody::Arm { host: "one" });
     let refused = format!("Refused(NotNow({}))", Refusal::NotDisarmed.code());
     assert_eq!(bench.take(&change(&[TEST, FIRST])), refused);
     assert_eq!(bench.test_is(), ("", 0, 0));
@@ -159,30 +146,10 @@ fn what_another_host_has_changed_meanwhile_does_not_start() {
         bench.session = OTHER;
         assert_eq!(bench.take(other), "Done");
         bench.session = ONE;
-        bench.done(RequestBody::ArmAs { host: "one" });
-        assert_eq!(bench.ask(RequestBody::StartTest { crc32: meant }), "Refused(OtherTest)");
-        assert_eq!(bench.ask(RequestBody::Start), "Refused(OtherTest)", "an unnamed start names nothing");
+        bench.done(RequestBody::Arm { host: "one" });
+        assert_eq!(bench.ask(RequestBody::Start { crc32: meant }), "Refused(OtherTest)");
         assert_eq!(bench.mode(), Mode::Armed);
     }
-}
-
-#[test]
-fn a_test_that_was_stated_step_by_step_is_started_and_added_to_by_hosts_of_its_session_alone() {
-    let mut bench = Bench::of(0);
-    bench.test(100, 1, 0);
-    bench.session = ONE;
-    assert_eq!(bench.ask(RequestBody::TestMove { time_us: 9000, target: 7 }), "Refused(OtherTest)");
-    bench.done(RequestBody::ArmAs { host: "one" });
-    assert_eq!(bench.ask(RequestBody::Start), "Refused(OtherTest)");
-    bench.done(RequestBody::Disarm);
-    assert_eq!(bench.take(&change(&[TEST, FIRST])), "Done");
-    bench.session = 0;
-    let refused = format!("Refused(NotNow({}))", code::OTHER_TEST);
-    assert_eq!(bench.ask(RequestBody::TestMove { time_us: 9000, target: 7 }), refused);
-    assert_eq!(bench.ask(RequestBody::TestSpan { last_sample: 7, round: 0 }), refused);
-    bench.done(RequestBody::Arm);
-    assert_eq!(bench.ask(RequestBody::Start), refused);
-    assert_eq!(bench.test_is(), ("whole", 100, 1));
 }
 
 #[test]
@@ -219,7 +186,7 @@ fn a_table_of_records_is_taken_whole_or_not_at_all_and_leaves_the_test_alone() {
     }
     assert_eq!(bench.take(&change(&[put(1, &none)])), "Done");
     assert_eq!(target(&bench, 1), None);
-    bench.done(RequestBody::ArmAs { host: "one" });
+    bench.done(RequestBody::Arm { host: "one" });
     assert_eq!(bench.take(&change(&[put(2, &one)])), "Refused(NotNow(4))", "the drive is enabled");
 }
 

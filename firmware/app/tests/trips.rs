@@ -2,7 +2,7 @@
 
 mod bench;
 
-use bench::Bench;
+use bench::{ARM, Bench};
 use pneudrive_controller::{Command, Fault, Mode};
 use pneudrive_protocol::RequestBody;
 
@@ -10,7 +10,7 @@ use pneudrive_protocol::RequestBody;
 fn a_stop_is_off_at_the_very_next_output_also_between_a_sample_and_its_output() {
     let mut bench = Bench::referenced();
     bench.armed(100, 1, 0);
-    bench.done(RequestBody::Start);
+    bench.done(bench.start_request());
     bench.samples(3);
     bench.app.control.on_sample(&mut bench.board);
     bench.done(RequestBody::Stop);
@@ -19,7 +19,7 @@ fn a_stop_is_off_at_the_very_next_output_also_between_a_sample_and_its_output() 
     assert!(bench.ask(RequestBody::Status).contains("mode: Fault, fault: 1"));
     bench.done(RequestBody::Disarm);
     assert_eq!(bench.mode(), Mode::Fault(Fault::Stop), "only arming leaves a fault");
-    bench.done(RequestBody::Arm);
+    bench.done(ARM);
     assert_eq!(bench.mode(), Mode::Armed);
 }
 
@@ -28,7 +28,7 @@ fn a_late_or_missing_sample_trips_an_enabled_drive() {
     for (delay_us, trips) in [(100, false), (101, true), (1300, true), (-100, false), (-101, true)] {
         let mut bench = Bench::referenced();
         bench.armed(100, 1, 0);
-        bench.done(RequestBody::Start);
+        bench.done(bench.start_request());
         bench.samples(3);
         bench.board.now_us = bench.board.now_us.saturating_add_signed(delay_us);
         bench.samples(1);
@@ -43,7 +43,7 @@ fn a_late_output_trips_an_enabled_drive_before_it_is_driven() {
     for (after_us, trips) in [(500, false), (600, false), (601, true), (1299, true)] {
         let mut bench = Bench::referenced();
         bench.armed(100, 1, 0);
-        bench.done(RequestBody::Start);
+        bench.done(bench.start_request());
         bench.samples(3);
         bench.app.control.on_sample(&mut bench.board);
         assert_ne!(bench.app.control.state().observation().command, 0);
@@ -61,7 +61,7 @@ fn an_output_behind_an_arming_has_no_sample_to_be_late_for() {
     bench.board.now_us = 70_000_000;
     bench.test(100, 1, 0);
     bench.app.control.on_sample(&mut bench.board);
-    bench.done(RequestBody::Arm);
+    bench.done(ARM);
     bench.board.now_us += 5000;
     bench.app.control.on_output(&mut bench.board);
     assert_eq!(bench.mode(), Mode::Armed);
@@ -75,7 +75,8 @@ fn a_silent_host_trips_a_running_move_and_nothing_else() {
     bench.board.host_clock_ms = Some(9000);
     bench.samples(1);
     assert_eq!(bench.mode(), Mode::Armed, "no move runs");
-    bench.done(RequestBody::Start);
+    bench.done(RequestBody::TakeOver { host: "bench" });
+    bench.done(bench.start_request());
     bench.board.host_clock_ms = Some(9500);
     bench.samples(1);
     assert_eq!(bench.mode(), Mode::Running);
@@ -93,7 +94,7 @@ fn a_silent_host_trips_a_running_move_and_nothing_else() {
 fn a_silent_host_trips_a_homing_run() {
     let mut bench = Bench::default();
     bench.board.host_clock_ms = Some(1000);
-    bench.done(RequestBody::Arm);
+    bench.done(ARM);
     bench.done(RequestBody::Home);
     bench.board.host_clock_ms = Some(1500);
     bench.samples(1);

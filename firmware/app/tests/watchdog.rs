@@ -4,7 +4,7 @@ mod bench;
 
 use core::convert::Infallible;
 
-use bench::{Bench, FakeBoard};
+use bench::{ARM, Bench, FakeBoard};
 use embedded_io::{ErrorType, Write};
 use pneudrive_app::runtime::talk::{Port, Served, Talk, Watchdog};
 use pneudrive_app::{Control, Recorder};
@@ -32,7 +32,7 @@ fn a_disarmed_drive_is_in_a_fault_while_its_watchdog_is_tried_and_arming_ends_th
     assert!(!bench.app.control.feeds_watchdog());
     bench.samples(3);
     assert!(bench.board.driven.iter().all(|command| *command == Command::OFF));
-    bench.done(RequestBody::Arm);
+    bench.done(ARM);
     assert!(bench.app.control.feeds_watchdog(), "an enabled drive has a watchdog that is fed");
 }
 
@@ -46,7 +46,7 @@ fn a_board_without_a_watchdog_says_so_and_stays_as_it_is() {
 #[test]
 fn an_enabled_drive_does_not_try_its_watchdog_nor_one_whose_fault_would_be_lost() {
     let mut bench = watched();
-    bench.done(RequestBody::Arm);
+    bench.done(ARM);
     bench.refused(RequestBody::TryWatchdog, Refusal::NotDisarmed);
     assert_eq!(bench.mode(), Mode::Armed);
     bench.done(RequestBody::Stop);
@@ -59,9 +59,9 @@ fn an_enabled_drive_does_not_try_its_watchdog_nor_one_whose_fault_would_be_lost(
 fn the_watchdog_of_a_drive_that_another_host_commands_is_not_tried() {
     let mut bench = watched();
     bench.board.host_clock_ms = Some(1000);
-    bench.session = 7;
-    bench.done(RequestBody::ArmAs { host: "one" });
-    bench.session = 8;
+    bench.session = 1007;
+    bench.done(RequestBody::Arm { host: "one" });
+    bench.session = 1008;
     let refused = bench.ask(RequestBody::TryWatchdog);
     assert!(refused.starts_with("Refused(Owned(") && refused.contains("host: \"one\""), "{refused}");
     assert_eq!(bench.mode(), Mode::Armed);
@@ -72,7 +72,7 @@ fn the_watchdog_of_a_drive_that_another_host_commands_is_not_tried() {
 fn a_request_that_means_the_boot_before_is_refused() {
     let mut bench = watched();
     bench.board.store.boot = 4;
-    (bench.session, bench.boot) = (7, 3);
+    (bench.session, bench.boot) = (1007, 3);
     assert_eq!(bench.ask(RequestBody::TryWatchdog), "Refused(OtherBoot { number: 4 })");
     assert_eq!(bench.mode(), Mode::Disarmed);
 }
@@ -82,11 +82,11 @@ fn a_request_that_means_the_boot_before_is_refused() {
 fn a_late_copy_within_a_boot_is_no_second_trial() {
     let mut bench = watched();
     bench.board.store.boot = 4;
-    (bench.session, bench.boot) = (7, 4);
+    (bench.session, bench.boot) = (1007, 4);
     let trial = bench.frame(RequestBody::TryWatchdog);
     assert!(!bench.send(&trial).is_empty(), "it is answered");
     assert_eq!(bench.mode(), Mode::Fault(Fault::WatchdogTried));
-    bench.done(RequestBody::ArmAs { host: "one" });
+    bench.done(RequestBody::Arm { host: "one" });
     bench.done(RequestBody::Disarm);
     assert!(bench.send(&trial).is_empty(), "a copy gets no answer");
     assert_eq!(bench.mode(), Mode::Disarmed);

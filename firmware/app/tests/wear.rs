@@ -5,11 +5,10 @@ mod nor_flash;
 
 use flash_drive::Drive;
 use nor_flash::{Flash, SECTOR};
-use pneudrive_app::control::Test;
 use pneudrive_app::fault_log::{FaultLog, FaultStore, MEMORY_BYTES, Restored};
 use pneudrive_app::ram_flash::RamFlash;
 use pneudrive_controller::parameters::id;
-use pneudrive_controller::{Fault, Mode, Move};
+use pneudrive_controller::{Fault, Mode};
 
 /// Bytes of a slot of the fault log on both boards; the second one of the Nucleo is longer.
 const SLOT: u32 = 16 * 1024;
@@ -47,8 +46,7 @@ fn twenty_thousand_stops_a_day_cost_two_dozen_erases() {
 
 /// A run that ends so many counts short teaches the drive as many.
 fn run(drive: &mut Drive, short: i32) {
-    drive.control.set_test(Test::new("learn", 9, 1, 0)).expect("disarmed");
-    drive.control.push_move(Move::step(0, drive.board.position + short)).expect("room");
+    drive.take_test(9, drive.board.position + short);
     drive.control.arm(&mut drive.board).expect("disarmed");
     drive.control.start(&mut drive.board).expect("armed");
     drive.samples(11);

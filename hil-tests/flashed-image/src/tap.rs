@@ -3,7 +3,7 @@
 //! A simulated plant is frozen between runs and reset for each, so that a record does not depend on when the requests
 //! came. No pin of the board signals the start of a run, but the reply to its request does.
 
-use pneudrive_protocol::{Accumulator, InBoot, ReplyBody, RequestBody, decode_reply, frame};
+use pneudrive_protocol::{Accumulator, ReplyBody, RequestBody, decode_reply, decode_request, frame};
 
 /// What has begun.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,13 +38,13 @@ impl Tap {
     /// A byte of the host, as the board hears it; whether a whole request has come with it.
     pub fn request(&mut self, byte: u8) -> bool {
         let Some(Ok(message)) = self.requests.push(byte) else { return false };
-        let Ok(meant) = InBoot::decode(message) else { return false };
-        let what = match meant.asked.request.body {
-            RequestBody::Start | RequestBody::StartTest { .. } => Begun::Run,
+        let Ok(request) = decode_request(message) else { return false };
+        let what = match request.body {
+            RequestBody::Start { .. } => Begun::Run,
             RequestBody::Home => Begun::Homing,
             _ => return true,
         };
-        let (crc32, sequence) = (frame::crc32(message), meant.asked.request.sequence);
+        let (crc32, sequence) = (frame::crc32(message), request.sequence);
         if !self.granted.contains(&crc32) {
             self.asked.push(Asked { crc32, sequence, what });
             self.asked.drain(..self.asked.len().saturating_sub(REMEMBERED));
@@ -76,11 +76,13 @@ impl Tap {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use pneudrive_protocol::{InSession, MAX_FRAME, Refused, Reply, Request, encode};
+    use pneudrive_protocol::{MAX_FRAME, Refused, Reply, Request, encode};
+
+    const START: RequestBody<'_> = RequestBody::Start { crc32: 1 };
 
     fn request(tap: &mut Tap, sequence: u16, body: RequestBody<'_>) {
-        let (mut bytes, request) = ([0; MAX_FRAME], Request { sequence, body });
-        let framed = encode(&InSession { request, session: 5 }, &mut bytes).expect("room");
+        let (mut bytes, request) = ([0; MAX_FRAME], Request { sequence, session: 1005, boot: 1, body });
+        let framed = encode(&request, &mut bytes).expect("room");
         let whole = framed.iter().filter(|&&byte| tap.request(byte)).count();
         assert_eq!(whole, 1, "at its last byte");
     }
@@ -93,18 +95,18 @@ mod tests {
     #[test]
     fn a_run_begins_with_the_reply_to_its_request_and_once() {
         let mut tap = Tap::default();
-        request(&mut tap, 7, RequestBody::Start);
+        request(&mut tap, 7, START);
         assert_eq!(reply(&mut tap, 6, ReplyBody::Done), None);
         assert_eq!(reply(&mut tap, 7, ReplyBody::Done), Some(Begun::Run));
-        request(&mut tap, 7, RequestBody::Start);
+        request(&mut tap, 7, START);
         assert_eq!(reply(&mut tap, 7, ReplyBody::Done), None, "a repetition");
     }
 
     #[test]
     fn a_request_that_was_repeated_before_its_reply_begins_one_run() {
         let mut tap = Tap::default();
-        request(&mut tap, 7, RequestBody::Start);
-        request(&mut tap, 7, RequestBody::Start);
+        request(&mut tap, 7, START);
+        request(&mut tap, 7, START);
         assert_eq!(reply(&mut tap, 7, ReplyBody::Done), Some(Begun::Run));
         assert_eq!(reply(&mut tap, 7, ReplyBody::Done), None, "the reply to the copy");
     }
@@ -112,8 +114,8 @@ mod tests {
     #[test]
     fn a_request_that_noise_has_hit_is_none() {
         let (mut tap, mut bytes) = (Tap::default(), [0; MAX_FRAME]);
-        let request = Request { sequence: 7, body: RequestBody::Start };
-        let mut framed = encode(&InSession { request, session: 5 }, &mut bytes).expect("room").to_vec();
+        let request = Request { sequence: 7, session: 1005, boot: 1, body: START };
+        let mut framed = encode(&request, &mut bytes).expect("room").to_vec();
         framed[2] ^= 0x10;
         assert!(!framed.iter().any(|&byte| tap.request(byte)));
         assert_eq!(reply(&mut tap, 7, ReplyBody::Done), None);

@@ -1,8 +1,11 @@
 //! What a rig with a planted defect makes of a request.
 
+use std::borrow::BorrowMut;
+
+use pneudrive_app::{Board, Recorder, Store};
 use pneudrive_protocol::change::start_crc32;
 use pneudrive_protocol::io::output;
-use pneudrive_protocol::{ANY_BOOT, InBoot, InSession, Request, RequestBody};
+use pneudrive_protocol::{Request, RequestBody};
 
 use crate::mutant::Mutant;
 use crate::rig::Rig;
@@ -10,25 +13,28 @@ use crate::rig::Rig;
 impl Mutant {
     /// The request as a rig with this defect takes it.
     #[must_use]
-    pub fn distort<'a>(self, meant: InBoot<'a>, rig: &Rig) -> InBoot<'a> {
-        let InBoot { asked: InSession { request: Request { sequence, body }, session }, boot } = meant;
-        let (mut body, mut session, mut boot) = (body, session, boot);
-        match (self, body) {
-            (Mutant::IgnoresBoot, _) => boot = ANY_BOOT,
-            (Mutant::IgnoresOwner, _) if rig.drives() => session = rig.control.owner(&rig.board).session,
-            (Mutant::IgnoresNameOfStart, RequestBody::StartTest { .. }) => {
+    pub fn distort<'a>(self, request: Request<'a>, rig: &mut Rig) -> Request<'a> {
+        match (self, request.body) {
+            (Mutant::IgnoresBoot, _) => Request { boot: rig.board.store().boot(), ..request },
+            (Mutant::IgnoresOwner, _) if rig.drives() => {
+                Request { session: rig.control.owner(&rig.board).session, ..request }
+            }
+            (Mutant::IgnoresNameOfStart, RequestBody::Start { .. }) => {
                 let test = rig.control.test().crc32().unwrap_or(0);
                 let crc32 = start_crc32(test, rig.control.configuration().hash());
-                body = RequestBody::StartTest { crc32 };
+                Request { body: RequestBody::Start { crc32 }, ..request }
             }
-            (Mutant::IgnoresNameOfRecord, RequestBody::RecordChunk { first, count, .. }) => {
-                body = RequestBody::RecordRead { first, count };
+            (Mutant::IgnoresNameOfRecord, RequestBody::RecordRead { first, count, .. }) => {
+                let recorder: &mut Recorder = rig.control.recorder.borrow_mut();
+                let crc32 = recorder.digest(usize::MAX).unwrap_or(0);
+                Request { body: RequestBody::RecordRead { crc32, first, count }, ..request }
             }
             // Answered as a stop is, and changes nothing.
-            (Mutant::SwallowsStop, RequestBody::Stop) if rig.is_acknowledged() => body = RequestBody::Leave,
-            _ => {}
+            (Mutant::SwallowsStop, RequestBody::Stop) if rig.is_acknowledged() => {
+                Request { body: RequestBody::Leave, ..request }
+            }
+            _ => request,
         }
-        InBoot { asked: InSession { request: Request { sequence, body }, session }, boot }
     }
 
     /// What a rig with this defect makes of a copy that has come from its owner.

@@ -22,7 +22,7 @@ use pneudrive_app::Server;
 use pneudrive_controller::parameters::id;
 use pneudrive_link::client::{Client, Pieces};
 use pneudrive_link::port::Link;
-use pneudrive_protocol::{InBoot, MAX_FRAME, Reply, RequestBody, decode_reply, encode_reply};
+use pneudrive_protocol::{MAX_FRAME, Reply, RequestBody, decode_reply, decode_request, encode};
 use pneudrive_records::record::Record;
 use pneudrive_sim::Rig as RigFile;
 
@@ -353,12 +353,12 @@ impl Link for Scripted {
 
 /// Whether the request in a frame changes nothing.
 fn is_idempotent(frame: &[u8]) -> bool {
-    InBoot::decode(&message(frame)).is_ok_and(|meant| meant.asked.request.body.is_idempotent())
+    decode_request(&message(frame)).is_ok_and(|request| request.body.is_idempotent())
 }
 
 /// The number of the request in a frame.
 fn number(frame: &[u8]) -> u16 {
-    InBoot::decode(&message(frame)).expect("a request of this version").asked.request.sequence
+    decode_request(&message(frame)).expect("a request").sequence
 }
 
 /// The reply in a frame under another number.
@@ -366,14 +366,13 @@ fn numbered(frame: &[u8], sequence: u16) -> Vec<u8> {
     let message = message(frame);
     let reply = decode_reply(&message).expect("a reply of this version");
     let mut room = [0; MAX_FRAME];
-    let framed = encode_reply(&Reply { sequence, ..reply }, &mut room);
-    framed.expect("it came in a frame").0.to_vec()
+    encode(&Reply { sequence, ..reply }, &mut room).expect("it came in a frame").to_vec()
 }
 
 /// What the firmware answers if this is the question who it is.
 fn answer_to_info(frame: &[u8]) -> Option<Vec<u8>> {
     let asked = message(frame);
-    if !InBoot::decode(&asked).is_ok_and(|meant| meant.asked.request.body == RequestBody::Info) {
+    if !decode_request(&asked).is_ok_and(|request| request.body == RequestBody::Info) {
         return None;
     }
     let (mut rig, mut reply) = (Rig::new(None), Vec::new());

@@ -12,7 +12,7 @@ pub enum Mutant {
     SavesInParts,
     /// The rig sends chunks of whatever record it has, and the host does not look at the CRC-32 of the whole.
     IgnoresNameOfRecord,
-    /// The rig takes requests that were meant for another boot, as it takes those of hosts before version 6.
+    /// The rig takes requests that were meant for another boot.
     IgnoresBoot,
     /// The rig swallows a stop while a fault is acknowledged.
     SwallowsStop,

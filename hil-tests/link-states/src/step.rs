@@ -3,9 +3,7 @@
 use std::sync::Arc;
 
 use pneudrive_app::Server;
-use pneudrive_protocol::{
-    ANY_BOOT, InBoot, MAX_FRAME, ReplyBody, Request, RequestBody, decode_reply, encode,
-};
+use pneudrive_protocol::{MAX_FRAME, ReplyBody, Request, RequestBody, decode_reply, decode_request, encode};
 
 use crate::host::{Input, Standing, Waits};
 use crate::intern::Id;
@@ -246,11 +244,11 @@ impl Link {
             rig.cut_power_at(nth);
         }
         let meant = message(&self.frames.value(delivery.frame.id()));
-        let meant = InBoot::decode(&meant).expect("a request of this version");
-        let body = meant.asked.request.body;
-        let reply = self.carry_out(&mut rig, &mut server, meant);
-        self.note(&mut rig, &before, delivery, meant.asked.request, reply.as_deref());
-        self.note_presence(&mut rig, delivery, meant.asked.request.sequence);
+        let request = decode_request(&meant).expect("a request");
+        let body = request.body;
+        let reply = self.carry_out(&mut rig, &mut server, request);
+        self.note(&mut rig, &before, delivery, request, reply.as_deref());
+        self.note_presence(&mut rig, delivery, request.sequence);
         rig.forget();
         let saves = body == RequestBody::ConfigSave;
         assert!(saves || rig.board.kept == before.board.kept, "{body:?} wrote to the flash");
@@ -269,34 +267,27 @@ impl Link {
     /// Whether this request writes to the flash; no other one does.
     pub(crate) fn saves(&self, frame: Id) -> bool {
         let meant = message(&self.frames.value(frame));
-        InBoot::decode(&meant).is_ok_and(|meant| meant.asked.request.body == RequestBody::ConfigSave)
+        decode_request(&meant).is_ok_and(|request| request.body == RequestBody::ConfigSave)
     }
 
     /// Whether this request arms or moves the drive, so that it matters whether it was sent before a reset.
     fn arms_or_moves(&self, frame: Id) -> bool {
         let meant = message(&self.frames.value(frame));
-        let meant = InBoot::decode(&meant).expect("a request of this version");
         matches!(
-            meant.asked.request.body,
-            RequestBody::Arm
-                | RequestBody::ArmAs { .. }
+            decode_request(&meant).expect("a request").body,
+            RequestBody::Arm { .. }
                 | RequestBody::TakeOver { .. }
                 | RequestBody::Home
                 | RequestBody::SeekNull
-                | RequestBody::Start
-                | RequestBody::StartTest { .. }
+                | RequestBody::Start { .. }
         )
     }
 
     /// Gives the request to the firmware; its reply.
-    fn carry_out(&self, rig: &mut Rig, server: &mut Server, meant: InBoot<'_>) -> Option<Vec<u8>> {
-        let meant = self.mutant.map_or(meant, |mutant| mutant.distort(meant, rig));
+    fn carry_out(&self, rig: &mut Rig, server: &mut Server, request: Request<'_>) -> Option<Vec<u8>> {
+        let request = self.mutant.map_or(request, |mutant| mutant.distort(request, rig));
         let mut room = [0; MAX_FRAME];
-        let frame = match meant.boot {
-            ANY_BOOT => encode(&meant.asked, &mut room),
-            _ => encode(&meant, &mut room),
-        };
-        let frame = frame.expect("it was sent once");
+        let frame = encode(&request, &mut room).expect("it was sent once");
         let mut reply = Vec::new();
         let Ok(()) = server.receive(frame, &mut rig.control, &mut rig.board, &mut reply);
         Some(reply).filter(|reply| !reply.is_empty())
@@ -308,7 +299,7 @@ impl Link {
         rig: &mut Rig,
         before: &Rig,
         &Delivery { host, frame, .. }: &Delivery,
-        Request { sequence, body }: Request<'_>,
+        Request { sequence, body, .. }: Request<'_>,
         reply: Option<&[u8]>,
     ) {
         let reply = reply.map(message);
@@ -317,7 +308,7 @@ impl Link {
         // A copy is answered as the first one was, and not carried out.
         let owns = rig.drives() && rig.control.owner(&rig.board).session == self.plans[host].session;
         match body {
-            RequestBody::Arm | RequestBody::ArmAs { .. } | RequestBody::TakeOver { .. } if done && owns => {
+            RequestBody::Arm { .. } | RequestBody::TakeOver { .. } if done && owns => {
                 rig.armed_by = Some(host).filter(|_| !frame.is_from_before());
                 rig.presence = Presence::of(sequence);
                 rig.plc.iter_mut().for_each(Plc::is_armed_by_host);

@@ -1,6 +1,6 @@
 //! A way to a state, in words.
 
-use pneudrive_protocol::{InBoot, decode_reply};
+use pneudrive_protocol::{decode_reply, decode_request};
 use stateright::Path;
 
 use crate::intern::Id;
@@ -36,10 +36,7 @@ impl Link {
 
     fn request(&self, id: Id) -> String {
         let message = message(&self.frames.value(id));
-        InBoot::decode(&message).map_or_else(
-            |error| format!("{error:?}"),
-            |meant| format!("{:?} in boot {}", meant.asked.request, meant.boot),
-        )
+        decode_request(&message).map_or_else(|error| format!("{error:?}"), |request| format!("{request:?}"))
     }
 
     fn reply(&self, id: Id) -> String {

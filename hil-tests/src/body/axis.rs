@@ -55,7 +55,7 @@ pub fn homing_finds_the_stop(start: Start) {
     let mut client = target.connect().expect("a rig that answers");
     client.arm().expect("disarmed");
     client.home().expect("armed");
-    while client.motion().expect("an answer").homing {
+    while client.status().expect("an answer").mode == Mode::Homing {
         std::thread::yield_now();
     }
     let status = client.status().expect("an answer");
@@ -74,7 +74,7 @@ pub fn a_dead_encoder_is_not_homed(start: Start) {
     let mut client = target.connect().expect("a rig that answers");
     client.arm().expect("disarmed");
     client.home().expect("armed");
-    while client.motion().expect("an answer").homing {
+    while client.status().expect("an answer").mode == Mode::Homing {
         std::thread::yield_now();
     }
     let status = client.status().expect("an answer");

@@ -79,6 +79,6 @@ pub(super) fn replayed(client: &mut Client) -> Replay {
     let record = client.record(|_, _| {}).expect("a record");
     let test = client.test().expect("an answer");
     let file = TargetFile::new(&record, &info, &parameters).expect("samples that files count to");
-    let text = file.with_test(test.as_ref()).to_text();
+    let text = file.with_test(&test).to_text();
     replay(&TargetFile::from_text(&text).expect("a whole file")).expect("a record that can be replayed")
 }

@@ -22,7 +22,7 @@ pub fn a_run_that_the_memory_could_not_hold_is_streamed(start: Start) {
     let mut client = target.connect().expect("a rig that answers");
     let capacity = client.info().expect("an answer").record_capacity as usize;
     client.download_test(&rig).expect("disarmed");
-    client.stream_begin(1, 769.0).expect("version 3");
+    client.stream_begin(1, 769.0).expect("an answer");
     client.arm().expect("referenced");
     client.start().expect("armed");
     let mut rows = Vec::new();

@@ -6,13 +6,12 @@
 //! replay runs with the origin 0. Facts that are not in the file are found as follows:
 //!
 //! - **Moves** ([`moves`]). The header has them with their profiles, and the controller makes the setpoints of them again.
-//!   A file of firmware before version 7 of the protocol has none. Closed loop: setpoint = position + error. Open loop: the
+//!   A file may lack them. Closed loop: setpoint = position + error. Open loop: the
 //!   moves are the commands themselves, so such a record proves the limits and the stepper, not the law.
 //! - **Arrival.** A move begins at its recorded sample and, with `on_arrival`, also waits for the end of the
 //!   one before, as on the board. So arrival and learning are those of the board.
 //! - **The end of the run.** A trip of the controller is reproduced; the recorder stores no sample after it.
 //!   External causes (a stop, a late sample, a silent host) are in no sample: the record ends before them.
-//! - **Older rules** (`replay/older.rs`). A record is replayed by the rules of the firmware that made it.
 //! - **Two things are tried both ways**: whether an open loop was referenced, and, where the null offset is
 //!   learned, whether a run that begins with a setpoint that is held anyway began with a move to it.
 //!
@@ -21,7 +20,6 @@
 //! were bad in the last samples before the start.
 
 pub mod moves;
-mod older;
 pub mod parameters;
 
 use std::cmp::Reverse;
@@ -207,9 +205,7 @@ pub fn replay(file: &TargetFile) -> Result<Replay, ReplayError> {
         return Err(ReplayError::Imported(log.to_owned()));
     }
     let header = Header::of(file)?;
-    let mut config = Config::new(&header.parameters).map_err(ReplayError::Inconsistent)?;
-    config.motion.commands_at_exit = older::commands_at_exit(file);
-    let older = older::has_older_watch(file).then(|| older::Watch::instead(&mut config, &header.parameters));
+    let config = Config::new(&header.parameters).map_err(ReplayError::Inconsistent)?;
     let recorded = samples(file)?;
     let mut best: Option<Replay> = None;
     let test = test_lines::sequence(&file.header).map_err(|error| ReplayError::Test(format!("{error:#}")))?;
@@ -218,7 +214,7 @@ pub fn replay(file: &TargetFile) -> Result<Replay, ReplayError> {
         None => moves::plans(&config, &recorded)?,
     };
     for plan in plans {
-        let replay = Replay { notes: header.notes.clone(), ..run(&config, &plan, &recorded, older.clone())? };
+        let replay = Replay { notes: header.notes.clone(), ..run(&config, &plan, &recorded)? };
         if best.as_ref().is_none_or(|best| replay.likeness() > best.likeness()) {
             best = Some(replay);
         }
@@ -247,25 +243,14 @@ pub fn samples(file: &TargetFile) -> Result<Vec<RecordedSample>, ReplayError> {
     Ok(of_the_run().map(|(_, sample)| *sample).collect())
 }
 
-/// The controller on the recorded inputs, with the watch of an older one.
-fn run(
-    config: &Config,
-    plan: &Plan,
-    recorded: &[RecordedSample],
-    mut older: Option<older::Watch>,
-) -> Result<Replay, ReplayError> {
+/// The controller on the recorded inputs.
+fn run(config: &Config, plan: &Plan, recorded: &[RecordedSample]) -> Result<Replay, ReplayError> {
     let mut state = started(config, plan)?;
     let mut replayed = Vec::with_capacity(recorded.len());
     let mut tripped = None;
     for (k, seen) in (0..).zip(recorded) {
-        let before = state.observation().command;
         sample(config, &plan.sequence, &mut state, &input(seen));
-        let mut made = Output::of(state.observation());
-        if older.as_mut().is_some_and(|watch| watch.trips(config, before, seen.position)) {
-            state.supervisor.trip(Fault::NoMotion);
-            made.command = 0;
-        }
-        replayed.push(made);
+        replayed.push(Output::of(state.observation()));
         if let Mode::Fault(fault) = state.supervisor.mode() {
             tripped = tripped.or(Some((fault, k)));
         }

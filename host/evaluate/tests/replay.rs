@@ -130,15 +130,12 @@ struct Run {
     path: Vec<Sample>,
     /// The sample before which a stop comes from outside.
     stop: usize,
-    /// What is held before the first move: the count of the first sample, or 0 with an older firmware.
-    held_first: Option<i32>,
 }
 
 fn any_run() -> impl Strategy<Value = Run> {
-    (any_parameters(), any_moves(), any_path(), 1usize..2000, any::<bool>()).prop_map(
-        |(mut parameters, mut moves, path, stop, older)| {
-            let held_first = older.then_some(0);
-            if moves[0].0 > 0 && moves[0].1 == held_first.unwrap_or(path[0].position) {
+    (any_parameters(), any_moves(), any_path(), 1usize..2000).prop_map(
+        |(mut parameters, mut moves, path, stop)| {
+            if moves[0].0 > 0 && moves[0].1 == path[0].position {
                 // A move to what is held already is not seen.
                 moves[0].1 += 1;
             }
@@ -153,7 +150,7 @@ fn any_run() -> impl Strategy<Value = Run> {
             {
                 set(&mut parameters, &ENDLESS);
             }
-            Run { parameters, moves, path, stop, held_first }
+            Run { parameters, moves, path, stop }
         },
     )
 }
@@ -162,7 +159,6 @@ fn any_run() -> impl Strategy<Value = Run> {
 fn record(run: &Run) -> Result<Vec<RecordedSample>, Refusal> {
     let config = Config::new(&run.parameters).expect("they go together");
     let mut sequence = Sequence::new(run.path.len() as u32);
-    sequence.held_first = run.held_first;
     for &(at_sample, target) in &run.moves {
         sequence.push(Move::step(at_sample, target)).expect("room");
     }

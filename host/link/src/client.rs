@@ -4,6 +4,7 @@ mod advance;
 mod answer;
 mod change;
 mod io;
+mod motion;
 mod move_records;
 mod owner;
 mod parameters;
@@ -11,7 +12,6 @@ mod record;
 mod stream;
 mod test;
 mod valve;
-mod version_2;
 mod watchdog;
 
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -20,9 +20,10 @@ use std::time::{Duration, SystemTime};
 
 use anyhow::{Context, Result, anyhow, bail};
 use pneudrive_controller::Fault;
+use pneudrive_protocol::session::NO_BOOT;
 use pneudrive_protocol::{
-    ANY_BOOT, Accumulator, CURRENT_VERSION, InBoot, InSession, MAX_FRAME, MIN_VERSION, Mode, Recent, Reply,
-    ReplyBody, Request, RequestBody, Status, decode_reply, encode_and_know, frame,
+    Accumulator, MAX_FRAME, Mode, Reply, ReplyBody, Request, RequestBody, Status, VERSION, decode_reply,
+    encode,
 };
 use pneudrive_records::rig_info::{Info, RigParameters};
 use pneudrive_records::untrusted::{NAME, sanitised};
@@ -45,9 +46,6 @@ const ANSWER_WAIT: Duration = Duration::from_millis(100);
 
 /// How long a rig may go without a useful answer: fifteen requests.
 pub const SILENCE_TIMEOUT: Duration = Duration::from_millis(1500);
-
-/// Own requests that are recognised if the line echoes them: more than are in flight at once.
-const RECENT_REQUESTS: usize = 32;
 
 /// The token of this program, from the environment variable `PNEUDRIVE_TOKEN`; None where it is empty or not set.
 ///
@@ -85,14 +83,11 @@ pub struct Client {
     known: Option<(u32, RigParameters)>,
     /// The parameters with which the downloaded test is to run, if known.
     meant: Option<RigParameters>,
-    /// The newest version that the rig speaks.
-    version: u16,
     /// Samples that the rig says it has room for.
     record_capacity: u32,
     /// Last sample of the test that it has downloaded.
     last_sample: Option<u32>,
     repeats: u32,
-    recent: Recent<RECENT_REQUESTS>,
     unasked: stream::Unasked,
 }
 
@@ -150,17 +145,15 @@ impl Client {
             heard: Vec::new().into_iter(),
             sequence,
             session,
-            boot: ANY_BOOT,
+            boot: NO_BOOT,
             commands: false,
             without: Vec::new(),
             test_crc32: None,
             known: None,
             meant: None,
-            version: MIN_VERSION,
             record_capacity: 0,
             last_sample: None,
             repeats: 0,
-            recent: Recent::default(),
             unasked: stream::Unasked::default(),
         }
     }
@@ -181,8 +174,7 @@ impl Client {
         {
             self.send_token(&token)?;
         }
-        let info = self.info()?;
-        (self.version, self.record_capacity) = (info.version, info.record_capacity);
+        self.record_capacity = self.info()?.record_capacity;
         Ok(())
     }
 
@@ -218,7 +210,7 @@ impl Client {
                 self.sequence = self.sequence.wrapping_add(1);
             }
             let sequence = self.sequence;
-            self.send(Request { sequence, body })?;
+            self.send(sequence, body)?;
             let deadline = self.link.now() + ANSWER_WAIT;
             let since_first = sequence.wrapping_sub(first);
             let answer = self.hear(deadline, |reply| {
@@ -240,15 +232,10 @@ impl Client {
         ))
     }
 
-    fn send(&mut self, request: Request<'_>) -> Result<()> {
+    fn send(&mut self, sequence: u16, body: RequestBody<'_>) -> Result<()> {
         let mut frame = [0; MAX_FRAME];
-        let asked = InSession { request, session: self.session };
-        let framed = match self.boot {
-            ANY_BOOT => encode_and_know(&asked, &mut frame),
-            boot => encode_and_know(&InBoot { asked, boot }, &mut frame),
-        };
-        let (frame, crc32) = framed.ok_or_else(|| anyhow!("a request is too long to send"))?;
-        self.recent.add(crc32);
+        let request = Request { sequence, session: self.session, boot: self.boot, body };
+        let frame = encode(&request, &mut frame).ok_or_else(|| anyhow!("a request is too long to send"))?;
         self.link.write(frame).map_err(|error| self.broken(error))
     }
 
@@ -258,7 +245,7 @@ impl Client {
     }
 
     /// Passes the rig's replies to `take` until it returns something, or the deadline has passed. Damaged frames and echoes
-    /// of our own requests are skipped; unsolicited rows are set aside.
+    /// of our own requests, which are no replies, are skipped; unsolicited rows are set aside.
     fn hear<T>(
         &mut self,
         deadline: Duration,
@@ -267,9 +254,6 @@ impl Client {
         loop {
             for byte in self.heard.by_ref() {
                 let Some(Ok(message)) = self.accumulator.push(byte) else { continue };
-                if self.recent.holds(frame::crc32(message)) {
-                    continue;
-                }
                 let Ok(reply) = decode_reply(message) else { continue };
                 if !self.unasked.takes(&reply)
                     && let Some(taken) = take(&reply)
@@ -287,20 +271,6 @@ impl Client {
         }
     }
 
-    /// Refuses a request that an older firmware does not know, with the firmware's name and version.
-    fn needs_version(&mut self, version: u16, what: &str) -> Result<()> {
-        if self.version < version {
-            let info = self.info()?;
-            bail!(
-                "{}: its firmware ({}) speaks version {} of the protocol and is too old for {what}, which needs version {version}; flash newer firmware",
-                self.name,
-                info.firmware,
-                info.version
-            );
-        }
-        Ok(())
-    }
-
     fn ask_done(&mut self, body: RequestBody<'_>) -> Result<()> {
         self.ask(body, |reply| match reply {
             ReplyBody::Done => Ok(()),
@@ -311,15 +281,13 @@ impl Client {
     /// Who the rig is.
     ///
     /// # Errors
-    /// When it does not answer, or speaks no version that this program knows.
+    /// When it does not answer, or speaks another version of the protocol.
     pub fn info(&mut self) -> Result<Info> {
         let name = self.name.clone();
         self.ask(RequestBody::Info, |reply| match *reply {
-            ReplyBody::Info { min_version, version, firmware, build, board, record_capacity } => {
-                if version < MIN_VERSION || min_version > CURRENT_VERSION {
-                    bail!(
-                        "{name} speaks protocol versions {min_version} to {version}, this program {MIN_VERSION} to {CURRENT_VERSION}; update the older of the two"
-                    );
+            ReplyBody::Info { version, firmware, build, board, record_capacity } => {
+                if version != VERSION {
+                    bail!("{}", other_version(&name, version));
                 }
                 Ok(Info {
                     version,
@@ -406,7 +374,7 @@ impl Client {
                     })?,
                 Mode::Fault => return Err(self.tripped(&status)),
                 Mode::Done => return Ok(status),
-                Mode::Disarmed | Mode::Armed => bail!(
+                Mode::Disarmed | Mode::Armed | Mode::Homing => bail!(
                     "{}: the run ended early; the rig was reset, or another program disarmed it",
                     self.name
                 ),
@@ -423,6 +391,15 @@ impl Client {
             words::fault_meaning(status.fault)
         ))
     }
+}
+
+/// Says which of the two to update.
+fn other_version(name: &str, version: u16) -> String {
+    let advice = match version < VERSION {
+        true => "flash the firmware that belongs to this program",
+        false => "use a later version of this program",
+    };
+    format!("{name} speaks version {version} of the protocol, this program version {VERSION}; {advice}")
 }
 
 /// Nothing can be heard from a rig whose link fails.

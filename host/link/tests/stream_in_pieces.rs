@@ -18,7 +18,7 @@ fn streamed(rig: &SimulatedRig) -> (Client, Vec<StreamedSample>, u64) {
     let mut client = rig.connect().expect("an answer");
     client.import_parameters(&test.parameters()).expect("disarmed");
     client.prepare(&test, test.last_sample(), None).expect("disarmed");
-    client.stream_begin(1, 769.0).expect("version 3");
+    client.stream_begin(1, 769.0).expect("an answer");
     client.arm().expect("in open loop without a reference");
     client.start().expect("armed");
     let (mut arrivals, mut rows) = (Arrivals::default(), Vec::new());

@@ -23,7 +23,7 @@ use serde_json::{Value, json};
 use chromium::Browser;
 
 /// A record of servo-drive B.
-const RECORD: &str = include_str!("../../tests/fixtures/TARGET-2.DAT");
+const RECORD: &str = include_str!("../../tests/fixtures/TARGET-1.DAT");
 
 /// The folder, served by a host that knows nothing of it but its files.
 fn address() -> String {

@@ -185,7 +185,7 @@ export class Commission {
     const canMove = isFree && look.mode !== 'fault';
     for (const button of [retract, extend, go, run]) button.disabled = !canMove || !look.referenced;
     home.disabled = !canMove;
-    record.disabled = !isFree || ['running', 'approaching'].includes(look.mode);
+    record.disabled = !isFree || ['homing', 'running', 'approaching'].includes(look.mode);
     if (look?.mode === 'approaching') run.disabled = true;
     this.#parameters.enable(isThere);
     this.#bringUp.enable(isFree && !look.is_enabled);

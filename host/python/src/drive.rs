@@ -114,6 +114,7 @@ fn mode(mode: Mode) -> &'static str {
     match mode {
         Mode::Disarmed => "disarmed",
         Mode::Armed => "armed",
+        Mode::Homing => "homing",
         Mode::Running => "running",
         Mode::Done => "done",
         Mode::Fault => "fault",

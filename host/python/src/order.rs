@@ -56,7 +56,6 @@ impl Order {
     /// Starts it with a stream of every Nth sample, which [`Client::follow_streamed`] then gives; returns the scales of
     /// the rig.
     pub fn start_streamed(&self, client: &mut Client, every: u16, meter: &work::Meter) -> Result<Units> {
-        client.needs_streams()?;
         let TestRun { rig, last_sample, with_parameters } = self.test();
         let parameters = test_run::prepare(client, rig, last_sample, with_parameters, true)?;
         streaming::begin(client, &parameters, every)?;

@@ -29,7 +29,7 @@ def run(rig: pneudrive.Rig) -> pneudrive.Run:
 
 @pytest.fixture(scope="session")
 def target(fixtures: Path) -> pneudrive.Target:
-    return pneudrive.Target.read(fixtures / "TARGET-2.DAT")
+    return pneudrive.Target.read(fixtures / "TARGET-1.DAT")
 
 
 @pytest.fixture(scope="session")

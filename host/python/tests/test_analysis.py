@@ -13,7 +13,7 @@ SWEEP = ROOT / "docs" / "examples" / "sweep-load.toml"
 
 
 def test_a_record_has_the_columns_of_its_file(fixtures: Path, target: Target) -> None:
-    lines = (fixtures / "TARGET-2.DAT").read_text().splitlines()
+    lines = (fixtures / "TARGET-1.DAT").read_text().splitlines()
     header = [line for line in lines if line.startswith("#")]
     data = np.array([line.split(",") for line in lines[len(header) + 1 :]], dtype=int)
     assert len(target.header) == len(header)
@@ -26,15 +26,15 @@ def test_a_record_has_the_columns_of_its_file(fixtures: Path, target: Target) ->
     assert target.transient()["position_mm"] == pytest.approx(target["position_counts"] * mm)
 
 
-@pytest.mark.parametrize("name", ["TARGET-1-first.DAT", "TARGET-1-protocol-3.DAT", "TARGET-2-exits.DAT", "STREAM-2.txt"])
-def test_files_of_every_version_are_read(fixtures: Path, name: str) -> None:
+@pytest.mark.parametrize("name", ["TARGET-1.DAT", "STREAM-1.txt"])
+def test_files_of_version_1_are_read(fixtures: Path, name: str) -> None:
     assert len(Target.read(fixtures / name)["index"]) > 0
     assert len(Transient.read(fixtures / name)["time_s"]) > 0
 
 
 def test_a_damaged_file_is_refused(fixtures: Path, tmp_path: Path) -> None:
     damaged = tmp_path / "TARGET01.DAT"
-    text = (fixtures / "TARGET-2.DAT").read_text()
+    text = (fixtures / "TARGET-1.DAT").read_text()
     damaged.write_text(text[:-20])
     with pytest.raises(pneudrive.PneudriveError, match="TARGET01.DAT"):
         Target.read(damaged)
@@ -91,7 +91,7 @@ def test_an_evaluation_of_a_record_rests_on_the_record_alone(target: Target, fix
     found = pneudrive.evaluate(target)
     assert found.runs == 1
     assert found.moves[0].ends_at_mm.least is None
-    of_file = pneudrive.evaluate(fixtures / "TARGET-2.DAT")
+    of_file = pneudrive.evaluate(fixtures / "TARGET-1.DAT")
     assert [one.to_dict() for one in of_file.moves] == [one.to_dict() for one in found.moves]
     other = Rig("servo-b-tuned", encoder__mm_per_count=0.0125)
     with pytest.raises(pneudrive.PneudriveError, match="its encoder has 0.01205 mm per count, not 0.0125"):
@@ -156,9 +156,9 @@ def test_a_wrong_sweep_is_refused(parts: dict[str, object], exception: type[Exce
 
 def test_a_fit_of_what_the_data_do_not_show_is_refused(fixtures: Path) -> None:
     with pytest.raises(pneudrive.PneudriveError, match="the drive must move in them"):
-        pneudrive.identify("servo-b-tuned", [fixtures / "TARGET-2.DAT"], fit=["load.mass_kg"])
+        pneudrive.identify("servo-b-tuned", [fixtures / "TARGET-1.DAT"], fit=["load.mass_kg"])
     with pytest.raises(pneudrive.PneudriveError, match="load.mas_kg"):
-        pneudrive.identify("servo-b-tuned", [fixtures / "TARGET-2.DAT"], fit=["load.mas_kg"])
+        pneudrive.identify("servo-b-tuned", [fixtures / "TARGET-1.DAT"], fit=["load.mas_kg"])
     with pytest.raises(pneudrive.PneudriveError, match="a fit needs"):
         pneudrive.identify("servo-b-tuned", [])
 

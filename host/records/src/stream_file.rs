@@ -20,10 +20,7 @@ use crate::test_lines;
 use crate::whole_file;
 
 /// The value of the first line.
-pub const FORMAT: &str = "pneudrive-stream 2";
-
-/// The same for files without a CRC.
-pub(crate) const FORMAT_1: &str = "pneudrive-stream 1";
+pub const FORMAT: &str = "pneudrive-stream 1";
 
 /// Key of the header's last line: the CRC-32 of the lines before it.
 pub(crate) const HEADER_CRC: &str = "header_crc32";
@@ -64,7 +61,7 @@ pub struct StreamFile<W = File> {
 }
 
 impl StreamFile {
-    /// Creates the file for every Nth sample of a run, whose test is `sequence` if the rig tells it. It must not exist yet.
+    /// Creates the file for every Nth sample of a run of the test `sequence`. It must not exist yet.
     ///
     /// # Errors
     /// When it exists, or cannot be written.
@@ -74,14 +71,14 @@ impl StreamFile {
         every: u16,
         info: &Info,
         parameters: &RigParameters,
-        sequence: Option<&Sequence>,
+        sequence: &Sequence,
     ) -> Result<StreamFile> {
         let file = OpenOptions::new().write(true).create_new(true).open(path);
         let file = file.with_context(|| format!("cannot make {}", path.display()))?;
         let mut file = StreamFile::over(file, path, every);
         let mut header = described(FORMAT, test, info, parameters);
         header.insert(2, ("decimation".to_owned(), every.to_string()));
-        header.extend(sequence.map(test_lines::lines).unwrap_or_default());
+        header.extend(test_lines::lines(sequence));
         header.push((HEADER_CRC.to_owned(), crc_text(&header_text(&header))));
         file.write(&(header_text(&header) + COLUMNS + "\n"))?;
         Ok(file)
@@ -332,7 +329,6 @@ mod tests {
         assert_eq!(file.counts(), (2, 0));
     }
 
-    /// Once a stream had no CRC at all.
     #[test]
     fn a_changed_digit_of_a_whole_stream_is_noticed_and_a_cut_one_is_not_whole() {
         let mut file = StreamFile::over(Vec::new(), Path::new("x"), 1);

@@ -1,7 +1,7 @@
 //! TARGETxx.DAT: a recorded transient as a text file (thesis 5.5.2), as specified in DESIGN section 3.
 //!
-//! A file is written whole or not at all, and never over another one. Its CRC covers every line but its own; the CRC of
-//! format 1 covers only the samples.
+//! A file is written whole or not at all, and never over another one. Its CRC covers every line but its own. From version 1
+//! on the format is append-only: a later program adds header lines, and reads files without them.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -21,10 +21,7 @@ use crate::whole_file::{Staged, sync_folder};
 mod reading;
 
 /// The value of the first line.
-pub const FORMAT: &str = "pneudrive-target 2";
-
-/// The same for files whose CRC covers only the samples.
-const FORMAT_1: &str = "pneudrive-target 1";
+pub const FORMAT: &str = "pneudrive-target 1";
 
 /// Key of a record that was made from the log of another recorder: the name of that log.
 pub const IMPORTED: &str = "imported";
@@ -65,13 +62,11 @@ impl TargetFile {
         Ok(file)
     }
 
-    /// The same with the test that was run, if the rig tells it.
+    /// The same with the test that was run.
     #[must_use]
-    pub fn with_test(mut self, test: Option<&Sequence>) -> TargetFile {
-        if let Some(test) = test {
-            self.header.extend(test_lines::lines(test));
-            self.seal();
-        }
+    pub fn with_test(mut self, test: &Sequence) -> TargetFile {
+        self.header.extend(test_lines::lines(test));
+        self.seal();
         self
     }
 
@@ -132,7 +127,7 @@ impl TargetFile {
     /// Whether it was streamed instead of downloaded.
     #[must_use]
     pub fn is_streamed(&self) -> bool {
-        matches!(self.get("format"), Some(stream_file::FORMAT | stream_file::FORMAT_1))
+        self.get("format") == Some(stream_file::FORMAT)
     }
 
     /// Writes the file under the next free number in a folder, and returns its path.

@@ -11,8 +11,8 @@
 //!
 //! First sample and target, then the profile with its numbers as the controller has them
 //! ([`pneudrive_controller::profile`]): the three averages of a ramp; amplitude, samples, rate and sweep of a wave;
-//! amplitude, samples, hold and taps of noise. Firmware before version 7 of the protocol does not tell its test, and its
-//! files have no such lines.
+//! amplitude, samples, hold and taps of noise. A record that was imported from the log of another recorder has no such
+//! lines.
 
 use anyhow::{Context, Result, anyhow};
 use pneudrive_controller::profile::{Noise, Profile, Ramp, Wave};

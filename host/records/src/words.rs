@@ -1,44 +1,13 @@
 //! The meaning of the controller's codes in words, with advice.
 
-use std::cmp::Ordering;
-
 use pneudrive_controller::{Fault, Refusal};
-use pneudrive_protocol::{ANY_BOOT, CURRENT_VERSION, Presence, Refused, code};
+use pneudrive_protocol::session::NO_BOOT;
+use pneudrive_protocol::{Presence, Refused, code};
 use pneudrive_sim::{Convergence, Rig, Run};
 
 use crate::judged::{FailedMembers, Judged, Spacing};
 use crate::parameter_names::Written;
 use crate::untrusted::{NAME, SENTENCE, sanitised};
-
-/// The protocol version of a rig and, if it differs from this program's, the consequences.
-pub fn protocol(version: u16) -> String {
-    match version.cmp(&CURRENT_VERSION) {
-        Ordering::Equal => format!("version {version}"),
-        Ordering::Greater => {
-            format!(
-                "version {version}; this program is older and speaks {CURRENT_VERSION}: newer features stay unused"
-            )
-        }
-        Ordering::Less => {
-            let lacks: [(u16, &str); 8] = [
-                (2, "homing, stored parameters, fault log"),
-                (3, "streams"),
-                (4, "tests that repeat or last for hours"),
-                (5, "single commanding host, atomic changes"),
-                (6, "boot numbers"),
-                (7, "moves with profiles"),
-                (8, "move records, digital inputs"),
-                (9, "trial of the watchdog"),
-            ];
-            let lacks: Vec<&str> =
-                lacks.iter().filter(|(since, _)| version < *since).map(|(_, what)| *what).collect();
-            let lacks = lacks.join(", ");
-            format!(
-                "version {version}; this program speaks {CURRENT_VERSION}: the firmware is older and has no {lacks}; flash a newer one for that"
-            )
-        }
-    }
-}
 
 /// Whether a run is converged, and the evidence for it.
 pub fn convergence(convergence: &Convergence) -> String {
@@ -231,7 +200,6 @@ fn not_now(of: u8) -> String {
         None if of == code::IN_FAULT => {
             "the drive is in a fault; clear it first (`pneudrive device arm`, then `disarm`)".to_owned()
         }
-        None if of == code::OTHER_TEST => "the test is from another program; run again".to_owned(),
         None if of == code::OWNED => "another host commands the drive".to_owned(),
         None => format!("refused for a reason unknown to this version (code {of})"),
     }
@@ -260,7 +228,7 @@ pub fn refusal(refused: &Refused<'_>) -> String {
         }
         Refused::OtherBoot { number } => {
             let now = match *number {
-                ANY_BOOT => "it no longer counts its boots".to_owned(),
+                NO_BOOT => "it no longer counts its boots".to_owned(),
                 number => format!("boot {number} now"),
             };
             format!(
@@ -268,26 +236,20 @@ pub fn refusal(refused: &Refused<'_>) -> String {
             )
         }
         Refused::Unknown => {
-            "the firmware does not know this request; it is older than this program".to_owned()
+            "the firmware does not know this request; flash the firmware that belongs to this program"
+                .to_owned()
         }
     }
 }
 
-/// What a rig without boot numbers lacks, by whether its firmware could count boots.
-pub fn no_boots(firmware_could: bool) -> String {
-    let why = if firmware_could {
-        "its flash does not store their number; check the board"
-    } else {
-        "flash firmware with version 6 of the protocol or newer"
-    };
-    format!(
-        "the rig does not tell its boots apart: a duplicate of a request that the link delays past a reset can still arm and move the drive; {why}"
-    )
+/// What a rig that cannot tell its boots apart lacks.
+pub fn no_boots() -> &'static str {
+    "the rig does not tell its boots apart: a duplicate of a request that the link delays past a reset can still arm and move the drive; its flash does not store their number; check the board"
 }
 
 /// Who commands the drive, and what another host can do about it.
 pub fn owned(presence: Presence, host: &str, silent_ms: u32) -> String {
-    let host = commander(host);
+    let host = sanitised(host, NAME);
     match presence {
         Presence::There => format!(
             "{host} commands the drive and was heard {:.2} s ago; wait until it has ended, or stop the drive (`pneudrive device stop`)",
@@ -300,40 +262,11 @@ pub fn owned(presence: Presence, host: &str, silent_ms: u32) -> String {
     }
 }
 
-/// A host by its name.
-pub fn commander(host: &str) -> String {
-    match host {
-        "" => "a program with version 4 of the protocol or older".to_owned(),
-        host => sanitised(host, NAME),
-    }
-}
-
 fn out_of_range(id: u16, value: i32) -> String {
     match Written::of(id) {
         Some(written) => {
             format!("{} = {} is out of range: {}", written.name, written.text(value), written.range())
         }
         None => format!("parameter {id} = {value} is out of range"),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_rig_of_another_version_is_told_with_what_it_lacks() {
-        assert_eq!(protocol(9), "version 9");
-        assert!(protocol(8).contains("is older and has no trial of the watchdog;"));
-        assert!(protocol(7).contains("is older and has no move records, digital inputs, trial"));
-        assert!(protocol(6).contains("is older and has no moves with profiles, move records, digital"));
-        assert!(protocol(5).contains("is older and has no boot numbers, moves with profiles, move records,"));
-        assert!(
-            protocol(4).contains("is older and has no single commanding host, atomic changes, boot numbers,")
-        );
-        assert!(protocol(3).contains("has no tests that repeat or last for hours, single"));
-        assert!(protocol(2).contains("has no streams, tests that"));
-        assert!(protocol(1).contains("has no homing, stored parameters, fault log, streams, tests"));
-        assert!(protocol(10).starts_with("version 10; this program is older and speaks 9:"));
     }
 }

@@ -35,6 +35,6 @@ fn a_drive_that_its_host_has_left_after_the_run_is_disarmed_when_its_hold_is_ove
     assert_eq!((status.mode, status.fault), (Mode::Disarmed, 0));
     let held_s = left.elapsed().as_secs_f64();
     assert!((0.9..2.0).contains(&held_s), "held for {held_s:.2} s, not 1 s");
-    assert_eq!(other.owner().expect("an answer").map(|owner| owner.presence), Some(Presence::Nobody));
+    assert_eq!(other.owner().expect("an answer").presence, Presence::Nobody);
     assert!(other.record(|_, _| {}).is_ok(), "its record stays");
 }

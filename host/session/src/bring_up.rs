@@ -131,7 +131,7 @@ pub fn bring_up(client: &mut Client, operator: &mut dyn Operator, options: Optio
 fn refuse_an_enabled_drive(client: &mut Client) -> Result<()> {
     match client.status()?.mode {
         Mode::Disarmed | Mode::Fault => Ok(()),
-        Mode::Armed | Mode::Running | Mode::Done => Err(Failure::Refused.error(
+        Mode::Armed | Mode::Homing | Mode::Running | Mode::Done => Err(Failure::Refused.error(
             "the drive is enabled; make sure that it is safe, and disarm it first (`pneudrive device disarm`)",
         )),
     }

@@ -11,7 +11,7 @@ use pneudrive_records::words;
 /// Warns, before a rig is armed or moved, that it does not distinguish its boots.
 pub fn report_boots(client: &Client) {
     if !client.names_its_boot() {
-        log::info!("{}", words::no_boots(client.speaks(6)));
+        log::info!("{}", words::no_boots());
     }
 }
 
@@ -28,7 +28,7 @@ pub fn report_armed(off: &[Fault]) {
 /// # Errors
 /// When the rig does not answer.
 pub fn report_run_input(client: &mut Client) -> Result<()> {
-    if client.speaks(8) && client.io()?.inputs & input::RUN == 0 {
+    if client.io()?.inputs & input::RUN == 0 {
         log::info!(
             "the digital input run is off: if it was never on since the board's reset, it does not stop what is armed here"
         );

@@ -118,7 +118,6 @@ pub fn others(folder: &Path, than: &Path) -> Vec<PathBuf> {
 
 fn who(info: &Info) -> ReplyBody<'_> {
     ReplyBody::Info {
-        min_version: info.version,
         version: info.version,
         firmware: &info.firmware,
         build: &info.build,

@@ -103,7 +103,7 @@ fn recorded(
             });
         }
     };
-    let file = TargetFile::new(&record, &info, &parameters)?.with_test(test.as_ref());
+    let file = TargetFile::new(&record, &info, &parameters)?.with_test(&test);
     Ok(Recorded { file, crc32: head.crc32, part })
 }
 

@@ -38,7 +38,6 @@ pub(crate) struct Streaming {
 impl Streaming {
     /// Checks that a run can be streamed before anything on the rig is changed.
     pub(crate) fn check(client: &mut Client, path: &Path) -> Result<()> {
-        client.needs_streams()?;
         if path.exists() {
             bail!("{} already exists; choose another file", path.display());
         }
@@ -56,7 +55,7 @@ impl Streaming {
         to: &ToFile,
     ) -> Result<Streaming> {
         let (info, moves) = (client.info()?, client.test()?);
-        let file = StreamFile::create(&to.path, test, to.every, &info, parameters, moves.as_ref())?;
+        let file = StreamFile::create(&to.path, test, to.every, &info, parameters, &moves)?;
         begin(client, parameters, to.every)?;
         Ok(Streaming { file, path: to.path.clone() })
     }

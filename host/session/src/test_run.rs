@@ -121,7 +121,6 @@ pub fn prepare(
 ) -> Result<RigParameters> {
     let status = client.status()?;
     refuse_unready(&status)?;
-    warn_of_other_hosts(client)?;
     report_boots(client);
     // A refusal changes nothing: a drive that holds its load goes on.
     let there = client.parameters()?;
@@ -193,7 +192,7 @@ fn will_be_referenced(status: &Status, there: &RigParameters, sent: &RigParamete
 /// Refuses a rig that is already running, or in a fault.
 fn refuse_unready(status: &Status) -> Result<()> {
     match status.mode {
-        Mode::Running => Err(Failure::Refused
+        Mode::Homing | Mode::Running => Err(Failure::Refused
             .error("a run is already in progress; wait for its end, or stop it (`pneudrive device stop`)")),
         Mode::Fault => Err(Failure::Refused.error(format!(
             "the rig is in the fault {}: {}; make sure that it is safe, then clear the fault with `pneudrive device arm`",
@@ -202,16 +201,6 @@ fn refuse_unready(status: &Status) -> Result<()> {
         ))),
         _ => Ok(()),
     }
-}
-
-/// Firmware before version 5 of the protocol obeys every host.
-fn warn_of_other_hosts(client: &mut Client) -> Result<()> {
-    if client.info()?.version < 5 {
-        log::info!(
-            "its firmware obeys every program that talks to the rig, even one that runs another test, and takes a test move by move; let no other program use the rig"
-        );
-    }
-    Ok(())
 }
 
 /// Waits until the armed rig has recorded the samples that the test needs from before its start. Status requests

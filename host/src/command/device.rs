@@ -99,7 +99,7 @@ fn info(client: &mut Client) -> Result<()> {
     say!("firmware    {}", info.firmware);
     say!("build       {}", info.build);
     say!("board       {}", info.board);
-    say!("protocol    {}", words::protocol(info.version));
+    say!("protocol    version {}", info.version);
     say!("record      up to {} samples", info.record_capacity);
     if info.version >= 2 {
         let state = client.config_state()?;
@@ -162,7 +162,7 @@ fn home(client: &mut Client, counts: bool) -> Result<()> {
     let longest = Duration::from_millis((10 * u64::from(timeout_ms)).max(5000));
     client.home()?;
     let begun = Instant::now();
-    while client.motion()?.homing {
+    while client.status()?.mode == Mode::Homing {
         if begun.elapsed() > longest {
             client.stop()?;
             bail!(
@@ -243,7 +243,7 @@ fn moves(motion: &Motion) -> String {
 
 /// Who commands the drive, in words.
 fn words_of(owner: &Commander) -> String {
-    let (host, silent_s) = (words::commander(&owner.host), f64::from(owner.silent_ms) / 1e3);
+    let (host, silent_s) = (&owner.host, f64::from(owner.silent_ms) / 1e3);
     match owner.presence {
         Presence::Nobody => "nobody".to_owned(),
         Presence::There => format!("{host}, last heard {silent_s:.2} s ago"),
@@ -255,21 +255,19 @@ fn status(client: &mut Client, counts: bool) -> Result<()> {
     let status = client.status()?;
     let Status { fault, index, duration_samples, .. } = status;
     let units = units::of(client, counts);
-    let motion = if client.info()?.version >= 2 { Some(client.motion()?) } else { None };
+    let motion = client.motion()?;
     json::figures(|| status_figures(&units, &status));
     json::figures(|| {
-        let moves = motion.map(|motion| {
-            json!({
-                "homing": motion.homing, "begun": motion.begun, "not_reached": motion.not_reached,
-                "learned_null_offset_counts": motion.learned_null_offset,
-            })
+        let moves = json!({
+            "homing": status.mode == Mode::Homing, "begun": motion.begun, "not_reached": motion.not_reached,
+            "learned_null_offset_counts": motion.learned_null_offset,
         });
         json!({ "duration_samples": (duration_samples != UNTIL_STOPPED).then_some(duration_samples), "moves": moves })
     });
     let mode = match status.mode {
-        Mode::Running if motion.is_some_and(|motion| motion.homing) => "homing".to_owned(),
         Mode::Disarmed => "disarmed".to_owned(),
         Mode::Armed => "armed".to_owned(),
+        Mode::Homing => "homing".to_owned(),
         Mode::Running if duration_samples == UNTIL_STOPPED => {
             format!("running until stopped, {} so far", units.time(index))
         }
@@ -279,14 +277,10 @@ fn status(client: &mut Client, counts: bool) -> Result<()> {
     };
     say!("mode        {mode}");
     say!("referenced  {}", if status.referenced { "yes" } else { "no" });
-    if let Some(motion) = motion {
-        say!("moves       {}", moves(&motion));
-    }
-    if let Some(owner) = client.owner()? {
-        let is_there = owner.presence == Presence::There;
-        json::figures(|| json!({ "owner": is_there.then(|| words::commander(&owner.host)) }));
-        say!("owner       {}", words_of(&owner));
-    }
+    say!("moves       {}", moves(&motion));
+    let owner = client.owner()?;
+    json::figures(|| json!({ "owner": (owner.presence == Presence::There).then_some(&owner.host) }));
+    say!("owner       {}", words_of(&owner));
     // A disarmed drive has no setpoint: its controller does not run.
     let controlled = status.mode != Mode::Disarmed;
     if controlled {

@@ -116,15 +116,12 @@ fn with_ensemble(arguments: &Eval, own: Vec<Move>) -> Result<(Vec<Vec<Move>>, Op
         };
     }
     let stored = StoredRun::read(&arguments.file)?;
-    if !stored.has_checksum {
-        say!("{}", UNCHECKED);
-    }
     let spacing = stored.spacing.unwrap_or(Spacing { runs: 1, ..Spacing::default() });
     let spacing = Spacing { runs: arguments.ensemble.map_or(spacing.runs, usize::from), ..spacing };
     if spacing.runs == 1 {
         return Ok((vec![own], Some(ALONE.to_owned())));
     }
-    // Older versions accepted values that this one refuses.
+    // Another version may have accepted values that this one refuses.
     let Ok(rig) = rig_of(&arguments.file) else { return Ok((vec![own], Some(OTHER.to_owned()))) };
     let accuracy = stored.accuracy.unwrap_or(Accuracy::of(&rig));
     let mut progress = Progress::new("simulating its perturbed runs");
@@ -147,9 +144,6 @@ fn with_ensemble(arguments: &Eval, own: Vec<Move>) -> Result<(Vec<Vec<Move>>, Op
     }
     Ok((vec![own], Some(OTHER.to_owned())))
 }
-
-/// The note on a run of an older version.
-const UNCHECKED: &str = "An older version of the program wrote this run without a checksum, so a changed or damaged trace cannot be detected.";
 
 /// The remark on a run without perturbed runs.
 const ALONE: &str = "These are figures of a single run; how much its perturbed runs differ is not known.";

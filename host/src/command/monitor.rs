@@ -109,6 +109,7 @@ fn mode(status: &Status) -> String {
     match status.mode {
         Mode::Disarmed => "disarmed".to_owned(),
         Mode::Armed => "armed".to_owned(),
+        Mode::Homing => "homing".to_owned(),
         Mode::Running => "running".to_owned(),
         Mode::Done => "done".to_owned(),
         Mode::Fault => words::fault_code_name(status.fault),

@@ -226,7 +226,7 @@ fn a_rig_is_saved_and_a_file_that_is_not_ours_only_after_a_question() {
 #[test]
 fn a_target_file_that_is_dropped_lies_over_the_run_with_its_deviation_and_the_curves_can_be_taken_away() {
     let mut page = page();
-    let record = include_str!("../../tests/fixtures/TARGET-2.DAT");
+    let record = include_str!("../../tests/fixtures/TARGET-1.DAT");
     drop_file(&mut page, "TARGET01.DAT", record);
     page.wait_until("document.querySelector('#runs .record')");
     page.wait_until("document.querySelector('table.deviation')");

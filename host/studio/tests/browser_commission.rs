@@ -130,7 +130,7 @@ fn a_record_is_handed_to_the_identification_with_one_button() {
         "[...document.querySelectorAll('#commission button')].find((one) => one.textContent === 'Identify')";
     assert_eq!(page.evaluate(&format!("{identify}.disabled")), json!(true), "there is no record yet");
     // A record that was not taken from here, and that cannot be fitted with this rig.
-    drop_file(&mut page, "OTHER.DAT", include_str!("../../tests/fixtures/TARGET-2.DAT"));
+    drop_file(&mut page, "OTHER.DAT", include_str!("../../tests/fixtures/TARGET-1.DAT"));
     page.wait_until("document.querySelector('#runs .record')");
     assert_eq!(page.evaluate(&format!("{identify}.disabled")), json!(true), "it is not of this drive");
     // Two unknowns take no minute.

@@ -20,7 +20,7 @@ use opened::{choose_path, drop_file, drop_path, hold, hold_nothing, keep_picture
 use simulated::simulate;
 
 /// A record of a virtual rig whose true values differ from the file's.
-const RECORD: &str = include_str!("../../tests/fixtures/TARGET-2.DAT");
+const RECORD: &str = include_str!("../../tests/fixtures/TARGET-1.DAT");
 
 /// A page with the record over its run.
 fn page_with_record() -> Browser {

@@ -185,7 +185,7 @@ fn a_rig_that_is_not_valid_is_not_saved() {
     assert!(!own.exists());
 }
 
-const RECORD: &str = include_str!("../../tests/fixtures/TARGET-2.DAT");
+const RECORD: &str = include_str!("../../tests/fixtures/TARGET-1.DAT");
 
 fn compare(text: &str) -> visitor::Answer {
     let rig = pneudrive_sim::rig::builtin("servo-b-tuned");

@@ -2,7 +2,7 @@
 
 use pneudrive_protocol::message::{RecordInfo, Refused, Spread, Status};
 use pneudrive_protocol::{
-    Mode, Motion, Owner, Presence, RecordedSample, Reply, ReplyBody, RequestBody, StreamedSample, Values,
+    Mode, Owner, Presence, RecordedSample, Reply, ReplyBody, RequestBody, StreamedSample, Values,
 };
 
 use super::{Lie, Memory, Says, frame};
@@ -57,10 +57,10 @@ fn record_info(reply: &Reply<'_>, change: fn(&mut RecordInfo<'_>)) -> Says {
 
 /// Another answer about the rig.
 fn info(reply: &Reply<'_>, capacity: u32, name: &str) -> Says {
-    let ReplyBody::Info { min_version, version, .. } = reply.body else { return Says::Truth };
+    let ReplyBody::Info { version, .. } = reply.body else { return Says::Truth };
     let (firmware, build, board) = (name, name, name);
     let record_capacity = capacity;
-    instead(reply, ReplyBody::Info { min_version, version, firmware, build, board, record_capacity })
+    instead(reply, ReplyBody::Info { version, firmware, build, board, record_capacity })
 }
 
 /// Another status.

@@ -12,7 +12,7 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 
 use pneudrive_protocol::{
-    Accumulator, InSession, MAX_FRAME, Reply, ReplyBody, RequestBody, decode_reply, encode,
+    Accumulator, MAX_FRAME, Reply, ReplyBody, RequestBody, decode_reply, decode_request, encode,
 };
 use pneudrive_rigs::virtual_rig::Background;
 
@@ -152,11 +152,11 @@ impl Between {
     fn ask(&mut self, bytes: &[u8]) -> bool {
         for &byte in bytes {
             let Some(Ok(message)) = self.asked.push(byte) else { continue };
-            let Ok(InSession { request, .. }) = InSession::decode(message) else { continue };
+            let Ok(request) = decode_request(message) else { continue };
             match request.body {
                 RequestBody::StreamBegin { every: 1.., .. } => self.memory.stream = Some(request.sequence),
                 RequestBody::StreamBegin { .. } => self.memory.stream = None,
-                RequestBody::StartTest { .. } => self.memory.started = true,
+                RequestBody::Start { .. } => self.memory.started = true,
                 _ => {}
             }
             self.requests.insert(request.sequence, message.to_vec());
@@ -170,8 +170,8 @@ impl Between {
         for &byte in bytes {
             let Some(Ok(message)) = self.answered.push(byte) else { continue };
             let Ok(reply) = decode_reply(message) else { continue };
-            let request = self.requests.get(&reply.sequence).and_then(|asked| InSession::decode(asked).ok());
-            let Some(InSession { request, .. }) = request else { continue };
+            let request = self.requests.get(&reply.sequence).and_then(|asked| decode_request(asked).ok());
+            let Some(request) = request else { continue };
             match (self.lie.on_reply)(&mut self.memory, &request.body, &reply) {
                 Says::Truth => printed.extend(frame(reply.sequence, reply.body)),
                 Says::Nothing => {}

@@ -99,7 +99,6 @@ impl Default for Config {
                 monitoring: 0,
                 dwell: 0,
                 forced_exit: 1093,
-                commands_at_exit: false,
                 feed_forward: FeedForward { velocity: 0, acceleration: 0 },
             },
             homing: HomingConfig {
@@ -217,7 +216,6 @@ fn motion(parameters: &Parameters, period_us: NonZeroU32) -> MotionConfig {
         dwell: samples(unsigned(id::DWELL_US), period_us),
         // A move at sample s ends with the first sample at which the time is over, as a timed one would.
         forced_exit: unsigned(id::FORCED_EXIT_US).div_ceil(period_us.get()),
-        commands_at_exit: false,
         feed_forward: feed_forward(parameters),
     }
 }

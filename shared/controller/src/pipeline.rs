@@ -102,7 +102,7 @@ impl State {
         let reference = Reference { error: target.error, feed_forward: self.sequencer.feed_forward() };
         let measured = Measured { motion, input, learned: self.null_offset.counts() };
         let demand = self.law.demand(&config.law, measured, reference);
-        if config.motion.on_arrival && target.running && self.sequencer.is_at_exit(&config.motion) {
+        if config.motion.on_arrival && target.running && self.sequencer.is_at_exit() {
             self.demand_at_exit(config)
         } else {
             demand

@@ -58,9 +58,6 @@ pub struct Sequence {
     round: u32,
     /// Samples of the run: the run is done after sample number `duration_samples`.
     pub duration_samples: u32,
-    /// What is held before the first move, instead of the count of sample k = 0: older firmware held 0, and its
-    /// records are replayed so. Unit: counts.
-    pub held_first: Option<i32>,
 }
 
 impl Default for Sequence {
@@ -68,7 +65,7 @@ impl Default for Sequence {
     #[inline(never)]
     fn default() -> Self {
         let moves = [Move::step(0, 0); MAX_MOVES];
-        Sequence { moves, len: 0, round: 0, duration_samples: 0, held_first: None }
+        Sequence { moves, len: 0, round: 0, duration_samples: 0 }
     }
 }
 
@@ -81,7 +78,7 @@ impl Sequence {
 
     /// Makes it a sequence of one move, without a copy of the whole.
     pub fn become_one(&mut self, only: Move, duration_samples: u32) {
-        (self.len, self.round, self.held_first) = (1, 0, None);
+        (self.len, self.round) = (1, 0);
         self.duration_samples = duration_samples;
         if let Some(first) = self.moves.first_mut() {
             *first = only;

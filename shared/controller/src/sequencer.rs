@@ -38,8 +38,6 @@ pub struct MotionConfig {
     pub dwell: u32,
     /// A move ends after so many samples, arrived or not.
     pub forced_exit: u32,
-    /// A command is given at an exit, too: older firmware did so, and its records are replayed so.
-    pub commands_at_exit: bool,
     /// What is fed forward of a profile.
     pub feed_forward: FeedForward,
 }
@@ -199,7 +197,7 @@ impl Sequencer {
     fn move_on(&mut self, config: &MotionConfig, sequence: &Sequence, position: i32) -> bool {
         if self.holds_first {
             self.holds_first = false;
-            self.setpoint = sequence.held_first.unwrap_or(position);
+            self.setpoint = position;
             self.look_ahead(sequence);
             if !self.is_due(config) {
                 return false;
@@ -284,8 +282,8 @@ impl Sequencer {
     }
 
     /// Whether the sample of a run that was judged last is an exit, at which no command is given.
-    pub(crate) fn is_at_exit(&self, config: &MotionConfig) -> bool {
-        self.exit_at == self.taken && !config.commands_at_exit
+    pub(crate) fn is_at_exit(&self) -> bool {
+        self.exit_at == self.taken
     }
 
     /// Whether the move in force has rested for its dwell, or has taken too long.

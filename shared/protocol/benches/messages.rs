@@ -8,7 +8,8 @@ use pneudrive_protocol::frame::Accumulator;
 use pneudrive_protocol::message::{Request, RequestBody, decode_request, encode};
 
 fn messages(criterion: &mut Criterion) {
-    let request = Request { sequence: 7, body: RequestBody::Reference { position_counts: 8192 } };
+    let body = RequestBody::Reference { position_counts: 8192 };
+    let request = Request { sequence: 7, session: 0xfeed_beef, boot: 3, body };
     let mut out = [0; MAX_FRAME];
     criterion.bench_function("encode a request", |bencher| {
         bencher.iter(|| encode(black_box(&request), &mut out).expect("fits").len());

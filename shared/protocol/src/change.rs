@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use crate::record::RecordCrc;
 use crate::{MAX_MESSAGE, Values};
 
-/// The longest change, bytes; 2560 before version 7.
+/// The longest change, bytes.
 pub const MAX_CHANGE: usize = 4096;
 
 /// The most of it that one message carries, bytes.
@@ -46,12 +46,12 @@ pub enum Entry<'a> {
         /// Setpoint (open loop: command), counts.
         target: i32,
     },
-    /// Version 7. A move with a profile; in order of time.
+    /// A move with a profile; in order of time.
     Profile {
         /// As [`ProfiledMove`](crate::ProfiledMove) writes it.
         bytes: &'a [u8],
     },
-    /// Version 8. A move record: a move that is begun by its number, without a PC.
+    /// A move record: a move that is begun by its number, without a PC.
     MoveRecord {
         /// 1 to [`MOVE_RECORDS`](crate::MOVE_RECORDS).
         number: u8,

@@ -23,26 +23,21 @@ pub const CRC_BYTES: usize = size_of::<u32>();
 /// [`MAX_FRAME`](crate::MAX_FRAME) bytes are always enough.
 #[must_use]
 pub fn encode<'out>(message: &[u8], out: &'out mut [u8]) -> Option<&'out [u8]> {
-    encode_with(crc32(message), message, out)
+    if message.is_empty() || message.len() > MAX_MESSAGE {
+        return None;
+    }
+    let mut encoder = CobsEncoder::new(out);
+    encoder.push(message).ok()?;
+    encoder.push(&crc32(message).to_le_bytes()).ok()?;
+    let end = encoder.finalize();
+    *out.get_mut(end)? = DELIMITER;
+    out.get(..=end)
 }
 
 /// The CRC that a message has in its frame.
 #[must_use]
 pub fn crc32(message: &[u8]) -> u32 {
     CRC_32.checksum(message)
-}
-
-/// The frame of a message whose CRC is known.
-pub(crate) fn encode_with<'out>(crc32: u32, message: &[u8], out: &'out mut [u8]) -> Option<&'out [u8]> {
-    if message.is_empty() || message.len() > MAX_MESSAGE {
-        return None;
-    }
-    let mut encoder = CobsEncoder::new(out);
-    encoder.push(message).ok()?;
-    encoder.push(&crc32.to_le_bytes()).ok()?;
-    let end = encoder.finalize();
-    *out.get_mut(end)? = DELIMITER;
-    out.get(..=end)
 }
 
 /// Why a frame was not taken.

@@ -1,4 +1,4 @@
-//! The digital inputs and outputs of a drive that is commanded without a PC: a bit each (version 8).
+//! The digital inputs and outputs of a drive that is commanded without a PC: a bit each.
 //!
 //! A positioning controller has such terminals: a number selects a record of a table, an edge begins it, and the drive
 //! answers by ready, in position and fault.

@@ -7,16 +7,17 @@
 //! # A frame
 //!
 //! ```text
-//! COBS( sequence | body | session | boot | CRC-32 ) 0x00
-//!       \__________ message __________/
+//! COBS( sequence | session | boot | body | CRC-32 ) 0x00     a request
+//! COBS( sequence |                  body | CRC-32 ) 0x00     a reply
+//!       \___________ message __________/
 //! ```
 //!
 //! | part | bytes | holds |
 //! |---|---|---|
 //! | sequence | 1 to 3 | number of the request, `u16` as a varint |
+//! | session | 2 to 5 | the [session] of the host, `u32` as a varint, from [`session::FIRST`] on |
+//! | boot | 1 to 5 | the [boot](session) that the request is meant for, `u32` as a varint |
 //! | body | 1 and more | number of the variant as a varint, then its fields in order |
-//! | session | 1 to 5 | of requests, from version 5 on: the [session] of the host, `u32` as a varint |
-//! | boot | 1 to 5 | of requests, from version 6 on: the [boot] that the request is meant for, `u32` as a varint |
 //! | CRC-32 | 4 | ISO-HDLC, of the message, little endian |
 //! | COBS | 1 to 3 | what it costs to have no 0x00 in the frame |
 //! | delimiter | 1 | 0x00: the frame is over |
@@ -29,21 +30,18 @@
 //! A reader knows nothing until it has seen a delimiter: whoever opens a link sends a 0x00 first.
 //! [`Accumulator`] says what damage costs.
 //!
-//! # Versions are append-only
+//! # Messages are append-only
 //!
 //! - Enums gain variants at the end. Variants are never reordered or removed, and the fields they
 //!   have never change.
-//! - Whatever follows a known body is skipped, so a later version may append fields to one. Its
-//!   readers then fail on the shorter body of an older peer: a new variant is the better choice
-//!   unless the appended fields are only ever sent to whom they are known.
-//! - `Info`, request and reply, stays as it is for ever: it is how the PC finds out what the
-//!   firmware speaks. It then asks for nothing above the lower of both `version`s, and for nothing
-//!   at all if that is below the `min_version` of either. An old request gets an answer that an
-//!   old PC can read.
+//! - Whatever follows a known body is skipped, so fields may be appended to one. Its readers then fail on
+//!   the shorter body of an older peer: a new variant is the better choice unless the appended fields are
+//!   only ever sent to whom they are known.
 //! - A request that firmware does not know still tells its sequence number ([`MessageError`]), so
-//!   that it can be answered with [`Refused::Unknown`].
-//! - `tests/wire_v01.rs` holds the bytes of version 1, `tests/wire_v02.rs` to `tests/wire_v09.rs` those
-//!   that versions 2 to 9 have added. A new version adds a file of its own.
+//!   that it can be answered with [`Refused::Unknown`]. A host learns so what an older firmware lacks.
+//! - [`VERSION`] stays as it is as long as these rules are kept. Peers of different versions do not talk to each other: the PC
+//!   refuses the rig and says which of the two to update. The request `Info` and its reply therefore stay as they are for ever.
+//! - `tests/wire_v1.rs` holds the bytes of every message, and says how to append one.
 //!
 //! # What is promised
 //!
@@ -53,7 +51,6 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
-pub mod boot;
 pub mod change;
 pub mod event;
 pub mod frame;
@@ -61,35 +58,27 @@ pub mod io;
 pub mod message;
 pub mod owner;
 pub mod profiled;
-pub mod recent;
 pub mod record;
 pub mod session;
 pub mod stream;
 pub mod values;
 
-pub use boot::{ANY_BOOT, InBoot};
 pub use event::Event;
 pub use frame::{Accumulator, FrameError};
 pub use message::{
     ConfigState, HISTOGRAM_BINS, Message, MessageError, Mode, Motion, RecordInfo, Refused, Reply, ReplyBody,
     Request, RequestBody, Spread, Status, UNTIL_STOPPED, code, decode_reply, decode_request, encode,
-    encode_and_know, encode_reply,
 };
 pub use owner::{Owner, Presence};
 pub use profiled::ProfiledMove;
-pub use recent::Recent;
 pub use record::{RecordCrc, RecordedSample};
-pub use session::InSession;
 pub use stream::StreamedSample;
 pub use values::Values;
 
-/// The oldest version this one still speaks.
-pub const MIN_VERSION: u16 = 1;
+/// The version described here. Only peers of the same version understand each other.
+pub const VERSION: u16 = 1;
 
-/// The version described here.
-pub const CURRENT_VERSION: u16 = 9;
-
-/// The longest message, bytes: sequence and body, without CRC and framing.
+/// The longest message, bytes, without CRC and framing.
 pub const MAX_MESSAGE: usize = 512;
 
 /// The longest frame, bytes: the longest message with CRC, COBS and delimiter.
@@ -121,16 +110,18 @@ const U16_BYTES: usize = 3;
 const U32_BYTES: usize = 5;
 /// Sequence and number of the variant (one byte, while there are fewer than 128).
 const HEADER_BYTES: usize = U16_BYTES + 1;
+/// The same of a request, with session and boot.
+const REQUEST_BYTES: usize = HEADER_BYTES + 2 * U32_BYTES;
 /// A text at its longest, with its length.
 const TEXT_BYTES: usize = 1 + MAX_TEXT;
 
 // The largest messages, each field at its longest; all others are plainly smaller.
 const _: () = {
-    let config = HEADER_BYTES + U16_BYTES + U16_BYTES + MAX_VALUES * size_of::<i32>();
+    let config = REQUEST_BYTES + U16_BYTES + U16_BYTES + MAX_VALUES * size_of::<i32>();
     assert!(config <= MAX_MESSAGE, "Config, ConfigSet");
     let chunk = HEADER_BYTES + U32_BYTES + U16_BYTES + CHUNK_SAMPLES * RecordedSample::BYTES;
     assert!(chunk <= MAX_MESSAGE, "Chunk");
-    let info = HEADER_BYTES + 2 * U16_BYTES + 3 * TEXT_BYTES + U32_BYTES;
+    let info = HEADER_BYTES + U16_BYTES + 3 * TEXT_BYTES + U32_BYTES;
     assert!(info <= MAX_MESSAGE, "Info");
     let record_info = HEADER_BYTES + TEXT_BYTES + 4 * U32_BYTES + 3 * U16_BYTES + 1;
     assert!(record_info <= MAX_MESSAGE, "RecordInfo");
@@ -142,12 +133,9 @@ const _: () = {
     assert!(test <= MAX_MESSAGE, "Test");
     let records = HEADER_BYTES + 1 + U16_BYTES + MAX_TOLD_MOVES * ProfiledMove::BYTES;
     assert!(records <= MAX_MESSAGE, "MoveRecords");
-    let (session, boot) = (U32_BYTES, U32_BYTES);
-    let part = HEADER_BYTES + U32_BYTES + 2 * U16_BYTES + change::PART_BYTES + session + boot;
+    let part = REQUEST_BYTES + U32_BYTES + 2 * U16_BYTES + change::PART_BYTES;
     assert!(part <= MAX_MESSAGE, "ChangePart");
-    assert!(config + session + boot <= MAX_MESSAGE, "ConfigSet");
     assert!(change::MAX_CHANGE <= u16::MAX as usize, "first of ChangePart");
-    assert!(MIN_VERSION <= CURRENT_VERSION);
     assert!(MAX_VALUES <= u8::MAX as usize, "count of ConfigGet");
     assert!(CHUNK_SAMPLES <= u8::MAX as usize, "count of RecordRead");
 };

@@ -5,13 +5,14 @@ mod reply;
 mod request;
 mod state;
 
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 pub use refused::{Refused, code};
 pub use reply::{Reply, ReplyBody};
 pub use request::{Request, RequestBody, UNTIL_STOPPED};
 pub use state::{ConfigState, HISTOGRAM_BINS, Mode, Motion, RecordInfo, Spread, Status};
 
+use crate::session::is_of_host;
 use crate::{MAX_MESSAGE, frame};
 
 /// What can be sent: a [`Request`] or a [`Reply`].
@@ -20,10 +21,10 @@ pub trait Message: Serialize {}
 impl Message for Request<'_> {}
 impl Message for Reply<'_> {}
 
-/// The message is not one of this version, though it came whole: a later version's, most likely.
+/// The message is not one that is known here, though it came whole: of a later firmware or program, most likely.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MessageError {
-    /// The number it came under, to be answered with [`Refused::Unknown`]; None: not even that.
+    /// The number it came under, to be answered with [`Refused::Unknown`]; None: it is not even of the other side.
     pub sequence: Option<u16>,
 }
 
@@ -33,57 +34,47 @@ pub struct MessageError {
 /// [`MAX_TEXT`](crate::MAX_TEXT)) or `out` is too short; [`MAX_FRAME`](crate::MAX_FRAME) bytes are
 /// always enough. Takes [`MAX_MESSAGE`] bytes of stack.
 #[must_use]
+#[inline(never)] // One copy of it, which an image may have for size.
 pub fn encode<'out>(message: &impl Message, out: &'out mut [u8]) -> Option<&'out [u8]> {
-    encode_and_know(message, out).map(|(frame, _)| frame)
-}
-
-/// The same, and the CRC of the message: to know it again ([`Recent`](crate::Recent)).
-#[must_use]
-pub fn encode_and_know<'out>(message: &impl Message, out: &'out mut [u8]) -> Option<(&'out [u8], u32)> {
     let mut buffer = [0; MAX_MESSAGE];
-    let bytes = postcard::to_slice(message, &mut buffer).ok()?;
-    let crc32 = frame::crc32(bytes);
-    Some((frame::encode_with(crc32, bytes, out)?, crc32))
-}
-
-/// The same of a reply: one copy of it, which an image may have for size.
-#[must_use]
-#[inline(never)]
-pub fn encode_reply<'out>(reply: &Reply<'_>, out: &'out mut [u8]) -> Option<(&'out [u8], u32)> {
-    encode_and_know(reply, out)
+    frame::encode(postcard::to_slice(message, &mut buffer).ok()?, out)
 }
 
 /// The request in a message. What follows a known body is skipped.
 ///
 /// # Errors
-/// For a message that is no request of this version.
+/// For a message that is no request known here. One whose session is none that a host may have is not a request at all: a reply
+/// that the line brings back, for instance.
+#[inline(never)] // One copy of it, which an image may have for size.
 pub fn decode_request(message: &[u8]) -> Result<Request<'_>, MessageError> {
-    let (sequence, body, _later) = decode(message)?;
-    Ok(Request { sequence, body })
+    let (sequence, session, boot, body) = head_of_request(message).ok_or(MessageError { sequence: None })?;
+    let body = postcard::from_bytes(body).map_err(|_| MessageError { sequence: Some(sequence) })?;
+    Ok(Request { sequence, session, boot, body })
+}
+
+/// Its sequence number, session and boot, and the bytes of its body: known whatever that turns out to be.
+fn head_of_request(message: &[u8]) -> Option<(u16, u32, u32, &[u8])> {
+    let (sequence, rest) = postcard::take_from_bytes(message).ok()?;
+    let (session, rest) = postcard::take_from_bytes(rest).ok()?;
+    let (boot, body) = postcard::take_from_bytes(rest).ok()?;
+    is_of_host(session).then_some((sequence, session, boot, body))
 }
 
 /// The reply in a message. What follows a known body is skipped.
 ///
 /// # Errors
-/// For a message that is no reply of this version.
+/// For a message that is no reply known here.
 pub fn decode_reply(message: &[u8]) -> Result<Reply<'_>, MessageError> {
-    let (sequence, body, _later) = decode(message)?;
+    let (sequence, body) = postcard::take_from_bytes(message).map_err(|_| MessageError { sequence: None })?;
+    let body = postcard::from_bytes(body).map_err(|_| MessageError { sequence: Some(sequence) })?;
     Ok(Reply { sequence, body })
-}
-
-/// The sequence number first, on its own: it is known whatever the body turns out to be. Then the body, and what stands
-/// behind it.
-pub(crate) fn decode<'a, Body: Deserialize<'a>>(
-    message: &'a [u8],
-) -> Result<(u16, Body, &'a [u8]), MessageError> {
-    let (sequence, rest) = postcard::take_from_bytes(message).map_err(|_| MessageError { sequence: None })?;
-    let (body, later) =
-        postcard::take_from_bytes(rest).map_err(|_| MessageError { sequence: Some(sequence) })?;
-    Ok((sequence, body, later))
 }
 
 #[cfg(test)]
 mod tests {
+    extern crate std;
+    use std::vec::Vec;
+
     use super::*;
     use crate::{
         Accumulator, CHUNK_SAMPLES, MAX_FRAME, MAX_ROWS, MAX_TEXT, MAX_VALUES, RecordedSample,
@@ -107,7 +98,6 @@ mod tests {
         let values = Values::fill(&mut buffer, [-1; MAX_VALUES]).expect("room");
         let samples = [0xff; CHUNK_SAMPLES * RecordedSample::BYTES];
         let info = ReplyBody::Info {
-            min_version: u16::MAX,
             version: u16::MAX,
             firmware: text,
             build: text,
@@ -144,34 +134,58 @@ mod tests {
     fn a_message_above_the_largest_is_not_encoded() {
         let reply = Reply { sequence: 1, body: ReplyBody::Chunk { first: 0, samples: &[0; MAX_MESSAGE] } };
         assert_eq!(encode(&reply, &mut [0; 2 * MAX_FRAME]), None);
-        let request = Request { sequence: 1, body: RequestBody::Info };
+        let request = Request { sequence: 1, session: 128, boot: 0, body: RequestBody::Info };
         assert_eq!(encode(&request, &mut [0; 4]), None);
     }
 
+    /// Sequence 300, session 128, boot 3.
+    const HEAD: [u8; 5] = [0xac, 0x02, 0x80, 0x01, 3];
+
+    fn request(body: &[u8]) -> Vec<u8> {
+        [&HEAD[..], body].concat()
+    }
+
     #[test]
-    fn a_request_of_a_later_version_tells_its_sequence_number() {
-        // 300 as a varint, then a variant that version 1 does not have.
-        let later = [0xac, 0x02, 0x7f, 1, 2, 3];
-        assert_eq!(decode_request(&later), Err(MessageError { sequence: Some(300) }));
-        assert_eq!(decode_reply(&later), Err(MessageError { sequence: Some(300) }));
-        assert_eq!(decode_request(&later[..2]), Err(MessageError { sequence: Some(300) }), "no body");
-        assert_eq!(decode_request(&later[..1]), Err(MessageError { sequence: None }));
-        assert_eq!(decode_request(&[]), Err(MessageError { sequence: None }));
+    fn a_request_that_is_not_known_tells_its_sequence_number() {
+        let unknown = MessageError { sequence: Some(300) };
+        assert_eq!(decode_request(&request(&[0x7f, 1, 2, 3])), Err(unknown));
+        assert_eq!(decode_request(&request(&[])), Err(unknown), "no body");
+        for end in 0..HEAD.len() {
+            assert_eq!(decode_request(&HEAD[..end]), Err(MessageError { sequence: None }), "{end} bytes");
+        }
         assert_eq!(decode_request(&[0xff; 8]), Err(MessageError { sequence: None }), "no u16");
+        assert_eq!(decode_reply(&[0xac, 0x02, 0x7f, 1, 2, 3]), Err(unknown));
+        assert_eq!(decode_reply(&[0xac]), Err(MessageError { sequence: None }));
     }
 
     #[test]
     fn what_a_later_version_appends_is_skipped() {
-        let arm = Request { sequence: 7, body: RequestBody::Arm };
-        assert_eq!(decode_request(&[7, 4]), Ok(arm));
-        assert_eq!(decode_request(&[7, 4, 0xff, 0xff]), Ok(arm));
+        let disarm = Request { sequence: 300, session: 128, boot: 3, body: RequestBody::Disarm };
+        assert_eq!(decode_request(&request(&[5])), Ok(disarm));
+        assert_eq!(decode_request(&request(&[5, 0xff, 0xff])), Ok(disarm));
     }
 
     #[test]
     fn values_that_are_not_whole_are_no_message() {
-        let refused = Err(MessageError { sequence: Some(7) });
-        assert!(decode_request(&[7, 3, 1, 4, 1, 2, 3, 4]).is_ok());
-        assert_eq!(decode_request(&[7, 3, 1, 3, 1, 2, 3]), refused);
-        assert_eq!(decode_request(&[7, 3, 1, 4, 1, 2, 3]), refused, "more announced than there is");
+        let refused = Err(MessageError { sequence: Some(300) });
+        assert!(decode_request(&request(&[3, 1, 4, 1, 2, 3, 4])).is_ok());
+        assert_eq!(decode_request(&request(&[3, 1, 3, 1, 2, 3])), refused);
+        assert_eq!(decode_request(&request(&[3, 1, 4, 1, 2, 3])), refused, "more announced than there is");
+    }
+
+    /// On a line that is coupled into itself each side hears what it has said.
+    #[test]
+    fn no_reply_reads_as_a_request_and_no_request_as_a_reply() {
+        for session in [128, 0x1001, u32::MAX - 1] {
+            let request = Request { sequence: 300, session, boot: 3, body: RequestBody::Disarm };
+            let mut accumulator = Accumulator::new();
+            assert!(decode_reply(carried(&request, &mut accumulator)).is_err());
+        }
+        for session in [0, 1, 127, u32::MAX] {
+            let request = Request { sequence: 300, session, boot: 3, body: RequestBody::Disarm };
+            let mut accumulator = Accumulator::new();
+            let error = Err(MessageError { sequence: None });
+            assert_eq!(decode_request(carried(&request, &mut accumulator)), error, "{session}");
+        }
     }
 }

@@ -3,6 +3,7 @@
 
 use std::ops::Range;
 
+use pneudrive_protocol::session::{FIRST, INPUTS};
 use pneudrive_protocol::{
     Accumulator, CHUNK_SAMPLES, FrameError, MAX_FRAME, MAX_MESSAGE, MAX_TEXT, MAX_VALUES, Mode, RecordInfo,
     RecordedSample, Refused, Reply, ReplyBody, Request, RequestBody, Status, Values, decode_reply,
@@ -209,16 +210,16 @@ proptest! {
         }
     }
 
-    /// A request arrives whole; one cut short is an error that still tells its number.
+    /// A request arrives whole; one cut short is an error that still tells its number, if that of its boot is there.
     #[test]
     fn a_request_arrives_as_it_was_sent(parts in any_parts(), variant in 0..13usize) {
         let request = parts.request(variant);
         let message = sent(&request);
         prop_assert_eq!(decode_request(&message), Ok(request));
-        let number = usize::from(request.sequence >= 128) + usize::from(request.sequence >= 16_384) + 1;
-        for end in number..message.len() {
+        let body = sent(&Request { body: RequestBody::Info, ..request }).len() - 1;
+        for end in 0..message.len() {
             let error = decode_request(&message[..end]).expect_err("cut short");
-            prop_assert_eq!(error.sequence, Some(request.sequence));
+            prop_assert_eq!(error.sequence, (end >= body).then_some(request.sequence));
         }
     }
 
@@ -288,29 +289,24 @@ impl Parts {
             1 => RequestBody::Status,
             2 => RequestBody::ConfigGet { first_id: short, count: byte },
             3 => RequestBody::ConfigSet { first_id: short, values: self.values() },
-            4 => RequestBody::Arm,
+            4 => RequestBody::Arm { host: &self.texts[0] },
             5 => RequestBody::Disarm,
-            6 => RequestBody::Start,
+            6 => RequestBody::Start { crc32: long },
             7 => RequestBody::Stop,
             8 => RequestBody::Reference { position_counts: signed },
-            9 => RequestBody::TestBegin {
-                name: &self.texts[0],
-                duration_us: long,
-                decimation: short,
-                pre_trigger: other,
-            },
-            10 => RequestBody::TestMove { time_us: long, target: signed },
+            9 => RequestBody::ChangePart { crc32: long, first: short, part: &self.values },
+            10 => RequestBody::StreamBegin { every: other, batch: byte },
             11 => RequestBody::RecordInfo,
-            _ => RequestBody::RecordRead { first: long, count: byte },
+            _ => RequestBody::RecordRead { crc32: signed as u32, first: long, count: byte },
         };
-        Request { sequence: self.sequence, body }
+        let session = self.long[1].clamp(FIRST, INPUTS - 1);
+        Request { sequence: self.sequence, session, boot: self.long[2], body }
     }
 
     fn reply(&self, variant: usize) -> Reply<'_> {
         let ([long, ..], [short, other]) = (self.long, self.short);
         let body = match variant {
             0 => ReplyBody::Info {
-                min_version: short,
                 version: other,
                 firmware: &self.texts[0],
                 build: &self.texts[1],

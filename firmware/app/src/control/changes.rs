@@ -5,8 +5,7 @@ use core::borrow::BorrowMut;
 use pneudrive_controller::config::ConfigError;
 use pneudrive_controller::drive::DriveConfig;
 use pneudrive_controller::parameters::{SetError, id};
-use pneudrive_controller::sequencer::SequenceError;
-use pneudrive_controller::{Config, Move, Parameters, Refusal};
+use pneudrive_controller::{Config, Parameters, Refusal};
 
 use super::{Control, Test};
 use crate::board::Board;
@@ -32,15 +31,6 @@ pub enum SaveRefused {
     NotNow(Refusal),
     /// The flash did not take them.
     NotStored,
-}
-
-/// Why a move was not taken.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum MoveError {
-    /// Not now.
-    Refused(Refusal),
-    /// Not here.
-    Sequence(SequenceError),
 }
 
 impl<R: BorrowMut<Recorder>> Control<R> {
@@ -114,39 +104,9 @@ impl<R: BorrowMut<Recorder>> Control<R> {
         self.configuration.save(board.store()).map_err(|NotStored| SaveRefused::NotStored)
     }
 
-    /// Takes a new test, which has no moves yet.
-    ///
-    /// # Errors
-    /// When the drive is not disarmed.
-    pub fn set_test(&mut self, test: Test) -> Result<(), Refusal> {
-        self.must_be_disarmed()?;
-        self.put_test(test);
-        Ok(())
-    }
-
     pub(super) fn put_test(&mut self, test: Test) {
         self.test = test;
         self.recorder.borrow_mut().empty();
-    }
-
-    /// Appends a move to the test.
-    ///
-    /// # Errors
-    /// When the drive is not disarmed, the moves are too many or out of order.
-    pub fn push_move(&mut self, next: Move) -> Result<(), MoveError> {
-        self.must_be_disarmed().map_err(MoveError::Refused)?;
-        self.test.sequence.push(next).map_err(MoveError::Sequence)
-    }
-
-    /// The test ends with this sample, and its moves come again every `round` samples; 0: once.
-    ///
-    /// # Errors
-    /// When the drive is not disarmed, or a move lies behind the round.
-    pub fn set_span(&mut self, last_sample: u32, round: u32) -> Result<(), MoveError> {
-        self.must_be_disarmed().map_err(MoveError::Refused)?;
-        self.test.sequence.repeat_every(round).map_err(MoveError::Sequence)?;
-        self.test.sequence.duration_samples = last_sample;
-        Ok(())
     }
 
     pub(super) fn must_be_disarmed(&self) -> Result<(), Refusal> {

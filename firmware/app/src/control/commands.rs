@@ -5,7 +5,7 @@ use core::borrow::BorrowMut;
 use pneudrive_controller::drive::MAX_COUNTS;
 use pneudrive_controller::parameters::id;
 use pneudrive_controller::{Fault, Mode, Parameters, Refusal};
-use pneudrive_protocol::session::OLD_HOSTS;
+use pneudrive_protocol::session::NOBODY;
 
 use super::Control;
 use crate::board::Board;
@@ -14,7 +14,7 @@ use crate::ownership::{Asker, Ownership};
 use crate::recorder::Recorder;
 
 impl<R: BorrowMut<Recorder>> Control<R> {
-    /// Enables the drive with the valve at null, and empties the recorder; whoever asks without a session owns it.
+    /// Enables the drive with the valve at null, and empties the recorder; nobody owns it.
     /// What the last run has learned of the valve's null becomes part of the parameters, and of those that are stored:
     /// at once if the drive rests, else after it has come to rest ([`Control::tidy_up`]).
     ///
@@ -22,7 +22,7 @@ impl<R: BorrowMut<Recorder>> Control<R> {
     /// The controller's refusal, and that of a drive whose stored configuration is lost.
     pub fn arm(&mut self, board: &mut impl Board) -> Result<(), Refusal> {
         let learned = self.learned_parameters().and_then(|learned| Prepared::of(learned).ok());
-        let by = Asker { session: OLD_HOSTS, host: "", sequence: None };
+        let by = Asker { session: NOBODY, host: "", sequence: None };
         self.arm_with(learned.as_ref(), &by, board)
     }
 

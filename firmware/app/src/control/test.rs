@@ -3,7 +3,6 @@
 use heapless::String;
 use pneudrive_controller::{Move, Sequence};
 use pneudrive_protocol::UNTIL_STOPPED;
-use pneudrive_protocol::session::{INPUTS, OLD_HOSTS};
 
 use crate::name::cut;
 
@@ -17,22 +16,7 @@ pub struct Test {
     pub(super) decimation: u16,
     pub(super) pre_trigger: u16,
     pub(super) sequence: Sequence,
-    origin: Origin,
-}
-
-/// Where a test comes from: only its author adds to it and starts it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Origin {
-    /// Stated request by request, by a host of this session.
-    Session(u32),
-    /// Taken whole, with this CRC-32.
-    Whole(u32),
-}
-
-impl Default for Origin {
-    fn default() -> Self {
-        Origin::Session(OLD_HOSTS)
-    }
+    crc32: Option<u32>,
 }
 
 impl Test {
@@ -40,7 +24,7 @@ impl Test {
     #[must_use]
     pub fn new(name: &str, duration_samples: u32, decimation: u16, pre_trigger: u16) -> Test {
         let sequence = Sequence::new(duration_samples);
-        Test { name: cut(name), decimation, pre_trigger, sequence, origin: Origin::default() }
+        Test { name: cut(name), decimation, pre_trigger, sequence, crc32: None }
     }
 
     /// Makes it the test of a move record: this move alone, until it is over.
@@ -50,34 +34,19 @@ impl Test {
         let _ = self.name.push_str(core::str::from_utf8(&digits).unwrap_or(""));
         (self.decimation, self.pre_trigger) = (1, 0);
         self.sequence.become_one(only, UNTIL_STOPPED);
-        self.origin = Origin::Session(INPUTS);
-    }
-
-    /// The same, by the host of this session.
-    #[must_use]
-    pub fn by(self, session: u32) -> Test {
-        Test { origin: Origin::Session(session), ..self }
+        self.crc32 = None;
     }
 
     /// The same, to be known by this CRC-32.
     #[must_use]
     pub fn named(self, crc32: u32) -> Test {
-        Test { origin: Origin::Whole(crc32), ..self }
+        Test { crc32: Some(crc32), ..self }
     }
 
-    /// Whether the host of this session has stated it.
-    #[must_use]
-    pub fn is_by(&self, session: u32) -> bool {
-        self.origin == Origin::Session(session)
-    }
-
-    /// The CRC-32 by which a start names it; None if it was stated request by request.
+    /// The CRC-32 by which a start names it; None if no host has stated it.
     #[must_use]
     pub fn crc32(&self) -> Option<u32> {
-        match self.origin {
-            Origin::Whole(crc32) => Some(crc32),
-            Origin::Session(_) => None,
-        }
+        self.crc32
     }
 
     /// The name.

@@ -5,9 +5,8 @@ use core::borrow::{Borrow, BorrowMut};
 use pneudrive_controller::sequencer::Arrival;
 use pneudrive_controller::{Mode, Parameters};
 use pneudrive_protocol::{
-    self as protocol, CHUNK_SAMPLES, CURRENT_VERSION, ConfigState, Event, MAX_EVENTS, MAX_TOLD_MOVES,
-    MAX_VALUES, MIN_VERSION, Motion, Owner, ProfiledMove, RecordInfo, RecordedSample, Refused, ReplyBody,
-    Status, Values,
+    self as protocol, CHUNK_SAMPLES, ConfigState, Event, MAX_EVENTS, MAX_TOLD_MOVES, MAX_VALUES, Motion,
+    Owner, ProfiledMove, RecordInfo, RecordedSample, Refused, ReplyBody, Status, VERSION, Values,
 };
 
 use super::{FIRMWARE, Scratch};
@@ -24,10 +23,9 @@ pub(super) fn status(control: &Control<impl BorrowMut<Recorder>>, damaged_frames
     let (mode, fault) = match state.supervisor.mode() {
         Mode::Disarmed => (protocol::Mode::Disarmed, 0),
         Mode::Armed => (protocol::Mode::Armed, 0),
+        Mode::Homing => (protocol::Mode::Homing, 0),
         Mode::Running => (protocol::Mode::Running, 0),
         Mode::Done => (protocol::Mode::Done, 0),
-        // Version 1 has no word for it; `Motion` of version 2 has.
-        Mode::Homing => (protocol::Mode::Running, 0),
         Mode::Fault(fault) => (protocol::Mode::Fault, fault.code()),
     };
     Status {
@@ -51,7 +49,6 @@ pub(super) fn status(control: &Control<impl BorrowMut<Recorder>>, damaged_frames
 pub(super) fn motion(control: &Control<impl BorrowMut<Recorder>>) -> Motion {
     let (state, moves) = (control.state(), control.state().sequencer());
     Motion {
-        homing: state.supervisor.mode() == Mode::Homing,
         arrival: match moves.arrival() {
             Arrival::Idle => 0,
             Arrival::Moving => 1,
@@ -95,8 +92,7 @@ fn kept_text<'a>(text: &str, room: &'a mut Scratch) -> &'a str {
 
 pub(super) fn info<'a>(board: &impl Board, room: &'a mut Scratch) -> ReplyBody<'a> {
     ReplyBody::Info {
-        min_version: MIN_VERSION,
-        version: CURRENT_VERSION,
+        version: VERSION,
         firmware: FIRMWARE,
         build: board.build(),
         board: kept_text(board.name(), room),

@@ -4,11 +4,8 @@ use core::borrow::BorrowMut;
 
 use pneudrive_controller::parameters::SetError;
 use pneudrive_controller::sequencer::SequenceError;
-use pneudrive_controller::{Fault, Mode, Move, Refusal};
-use pneudrive_protocol::session::OLD_HOSTS;
-use pneudrive_protocol::{
-    InBoot, InSession, Owner, Refused, ReplyBody, RequestBody, UNTIL_STOPPED, Values, code,
-};
+use pneudrive_controller::{Fault, Mode, Refusal};
+use pneudrive_protocol::{Refused, ReplyBody, Request, RequestBody, Values, code};
 
 use super::answers::{
     chunk, config, config_state, digest, events, info, kept, motion, move_records, record_info, status, test,
@@ -17,7 +14,7 @@ use super::{Scratch, Talk};
 use crate::board::Board;
 use crate::change::{NotWhole, Parts};
 use crate::configuration::Prepared;
-use crate::control::{ChangeError, Control, MoveError, SaveRefused, TakeError, Test};
+use crate::control::{ChangeError, Control, SaveRefused, TakeError};
 use crate::ownership::{Asker, Need};
 use crate::recorder::Recorder;
 use crate::repetition::counts_in_any_boot;
@@ -26,32 +23,31 @@ use crate::store::Store;
 
 /// Carries out a request, unless it was meant for another boot, or another host commands the drive.
 pub(super) fn carry_out<'a>(
-    meant: &InBoot<'a>,
+    request: &Request<'a>,
     drive: &mut impl SharedDrive,
     damaged_frames: u32,
     talk: &mut Talk,
     scratch: &'a mut Scratch,
 ) -> ReplyBody<'a> {
-    let InBoot { asked: InSession { request, session }, .. } = *meant;
-    let by = |host| Asker { session, host, sequence: Some(request.sequence) };
-    match drive.lock(|control, board| admission(meant, control, board)) {
+    let Request { sequence, session, body, .. } = *request;
+    let by = |host| Asker { session, host, sequence: Some(sequence) };
+    match drive.lock(|control, board| admission(request, control, board)) {
         Admission::OtherBoot { number } => return ReplyBody::Refused(Refused::OtherBoot { number }),
         Admission::Owned => {
-            return drive.lock(|control, board| owned(session, control.owner(board), scratch));
+            return drive.lock(|control, board| {
+                ReplyBody::Refused(Refused::Owned(kept(control.owner(board), scratch)))
+            });
         }
         Admission::Granted => {}
     }
-    match request.body {
+    match body {
         RequestBody::Info => drive.lock(|_, board| info(board, scratch)),
         RequestBody::Status => drive.lock(|control, _| ReplyBody::Status(status(control, damaged_frames))),
         RequestBody::ConfigGet { first_id, count } => config(drive, first_id, count, scratch),
         RequestBody::ConfigSet { first_id, values } => {
             drive.lock(|control, _| set(control, first_id, values))
         }
-        // A host that has a session arms by `ArmAs`: this is something else that reads as it, such as an echo.
-        RequestBody::Arm if session != OLD_HOSTS => ReplyBody::Refused(Refused::Unknown),
-        RequestBody::Arm => arm(drive, &by("")),
-        RequestBody::ArmAs { host } => arm(drive, &by(host)),
+        RequestBody::Arm { host } => arm(drive, &by(host)),
         RequestBody::TakeOver { host } => {
             drive.lock(|control, board| done(control.take_over(&by(host), board).map_err(not_now)))
         }
@@ -68,14 +64,7 @@ pub(super) fn carry_out<'a>(
             control.disarm();
             ReplyBody::Done
         }),
-        RequestBody::Start => drive.lock(|control, board| {
-            let is_meant = control.test().is_by(session);
-            done(start(control, board, is_meant, other_test(session)))
-        }),
-        RequestBody::StartTest { crc32 } => drive.lock(|control, board| {
-            let is_meant = control.is_named(crc32);
-            done(start(control, board, is_meant, Refused::OtherTest))
-        }),
+        RequestBody::Start { crc32 } => drive.lock(|control, board| done(start(control, board, crc32))),
         RequestBody::Stop => drive.lock(|control, _| {
             control.stop();
             ReplyBody::Done
@@ -83,21 +72,6 @@ pub(super) fn carry_out<'a>(
         RequestBody::Reference { position_counts } => {
             drive.lock(|control, _| done(control.reference(position_counts).map_err(not_now)))
         }
-        RequestBody::TestBegin { name, duration_us, decimation, pre_trigger } => drive.lock(|control, _| {
-            let last_sample = duration_us / control.config().timing.period_us;
-            let test = Test::new(name, last_sample, decimation, pre_trigger).by(session);
-            done(control.set_test(test).map_err(not_now))
-        }),
-        RequestBody::TestMove { time_us, target } => drive.lock(|control, _| {
-            let next = Move::at_time_us(time_us, control.config().timing.period_us, target);
-            done(extend(control, session, |control| control.push_move(next).map_err(move_refused)))
-        }),
-        RequestBody::TestSpan { last_sample, round } => drive.lock(|control, _| {
-            done(extend(control, session, |control| match last_sample {
-                ..=UNTIL_STOPPED => control.set_span(last_sample, round).map_err(move_refused),
-                _ => Err(Refused::TestTooLong),
-            }))
-        }),
         RequestBody::ChangePart { crc32, first, part } => {
             done(talk.change.add(crc32, first, part).map_err(|NotWhole| Refused::ChangeNotWhole))
         }
@@ -131,15 +105,14 @@ pub(super) fn carry_out<'a>(
         }),
         RequestBody::TryWatchdog => drive.lock(|control, board| done(try_watchdog(control, board))),
         RequestBody::RecordInfo => record_info(drive, scratch),
-        RequestBody::RecordRead { first, count } => chunk(drive, first, count, scratch),
-        RequestBody::RecordChunk { crc32, first, count } => {
+        RequestBody::RecordRead { crc32, first, count } => {
             match drive.lock(|control, _| digest(control, 0)) {
                 Some(crc) if crc == crc32 => chunk(drive, first, count, scratch),
                 _ => ReplyBody::Refused(Refused::OtherRecord),
             }
         }
         RequestBody::StreamBegin { every, batch } => {
-            talk.stream.begin(request.sequence, every, batch);
+            talk.stream.begin(sequence, every, batch);
             ReplyBody::Done
         }
         RequestBody::StreamGrant { until } => {
@@ -162,16 +135,15 @@ enum Admission {
 }
 
 fn admission<R: BorrowMut<Recorder>>(
-    meant: &InBoot<'_>,
+    request: &Request<'_>,
     control: &Control<R>,
     board: &mut impl Board,
 ) -> Admission {
-    let InBoot { asked: InSession { request, session }, .. } = meant;
     let number = board.store().boot();
-    if !(meant.counts_in(number) || counts_in_any_boot(&request.body)) {
+    if !(request.boot == number || counts_in_any_boot(&request.body)) {
         return Admission::OtherBoot { number };
     }
-    match control.allows(*session, Need::of(&request.body), board) {
+    match control.allows(request.session, Need::of(&request.body), board) {
         true => Admission::Granted,
         false => Admission::Owned,
     }
@@ -184,17 +156,16 @@ fn arm<'a>(drive: &mut impl SharedDrive, by: &Asker<'_>) -> ReplyBody<'a> {
     drive.lock(|control, board| done(control.arm_with(learned.as_ref(), by, board).map_err(not_now)))
 }
 
-/// Starts, unless the drive is armed with a test that is not meant.
+/// Starts, unless the drive is armed with another test than the one that is named, or has other parameters.
 fn start<'a>(
     control: &mut Control<impl BorrowMut<Recorder>>,
     board: &mut impl Board,
-    is_meant: bool,
-    other_test: Refused<'a>,
+    crc32: u32,
 ) -> Result<(), Refused<'a>> {
     must_not_have_lapsed(control)?;
     let (mode, test) = (control.state().supervisor.mode(), control.test());
-    if mode == Mode::Armed && !test.sequence().moves().is_empty() && !is_meant {
-        return Err(other_test);
+    if mode == Mode::Armed && !test.sequence().moves().is_empty() && !control.is_named(crc32) {
+        return Err(Refused::OtherTest);
     }
     control.start(board).map_err(not_now)
 }
@@ -247,28 +218,6 @@ fn save<'a>(
     })
 }
 
-/// Adds to the test that the host of this session has stated.
-fn extend<'a, R: BorrowMut<Recorder>>(
-    control: &mut Control<R>,
-    session: u32,
-    add: impl FnOnce(&mut Control<R>) -> Result<(), Refused<'a>>,
-) -> Result<(), Refused<'a>> {
-    if control.test().is_by(session) { add(control) } else { Err(other_test(session)) }
-}
-
-/// Who commands the drive, in words that the host of this session knows.
-fn owned<'a>(session: u32, owner: Owner<'_>, room: &'a mut Scratch) -> ReplyBody<'a> {
-    ReplyBody::Refused(match session {
-        OLD_HOSTS => Refused::NotNow(code::OWNED),
-        _ => Refused::Owned(kept(owner, room)),
-    })
-}
-
-/// The test is another host's, in words that the host of this session knows.
-fn other_test<'a>(session: u32) -> Refused<'a> {
-    if session == OLD_HOSTS { Refused::NotNow(code::OTHER_TEST) } else { Refused::OtherTest }
-}
-
 /// Takes the change whose parts have come, and forgets them.
 fn take<'a>(drive: &mut impl SharedDrive, parts: &mut Parts, crc32: u32) -> ReplyBody<'a> {
     let taken = match parts.whole(crc32) {
@@ -286,7 +235,8 @@ fn take_refused<'a>(error: TakeError) -> Refused<'a> {
         TakeError::Refused(refusal) => not_now(refusal),
         TakeError::Value { id, value, error } => change_refused(id, value, ChangeError::Value(error)),
         TakeError::Inconsistent(error) => Refused::Inconsistent { advice: error.advice() },
-        TakeError::Sequence(error) => move_refused(MoveError::Sequence(error)),
+        TakeError::Sequence(SequenceError::Full) => Refused::TooManyMoves,
+        TakeError::Sequence(SequenceError::OutOfOrder) => Refused::MovesOutOfOrder,
         TakeError::TooLong => Refused::TestTooLong,
         TakeError::Malformed => Refused::Unknown,
     }
@@ -301,14 +251,6 @@ fn done<'a>(result: Result<(), Refused<'a>>) -> ReplyBody<'a> {
 
 fn not_now<'a>(refusal: Refusal) -> Refused<'a> {
     Refused::NotNow(refusal.code())
-}
-
-fn move_refused<'a>(error: MoveError) -> Refused<'a> {
-    match error {
-        MoveError::Refused(refusal) => not_now(refusal),
-        MoveError::Sequence(SequenceError::Full) => Refused::TooManyMoves,
-        MoveError::Sequence(SequenceError::OutOfOrder) => Refused::MovesOutOfOrder,
-    }
 }
 
 fn change_refused<'a>(id: u16, value: i32, error: ChangeError) -> Refused<'a> {

@@ -4,10 +4,16 @@
 use pneudrive_app::store::NoStore;
 use pneudrive_app::{App, Board};
 use pneudrive_controller::{Command, Config, Mode, Refusal, Sample};
+use pneudrive_protocol::change::{Entry, PART_BYTES, start_crc32};
 use pneudrive_protocol::{
-    ANY_BOOT, Accumulator, CHUNK_SAMPLES, InBoot, InSession, MAX_FRAME, RecordCrc, RecordedSample, Refused,
-    ReplyBody, Request, RequestBody, decode_reply, encode,
+    Accumulator, CHUNK_SAMPLES, MAX_FRAME, RecordCrc, RecordedSample, Refused, ReplyBody, Request,
+    RequestBody, decode_reply, encode, frame,
 };
+
+/// The session of the host, unless a test says otherwise.
+pub const HOST: u32 = 0x1001;
+
+pub const ARM: RequestBody<'_> = RequestBody::Arm { host: "bench" };
 
 /// A board whose rod creeps out by 3 counts a sample, with a clock that the test turns.
 #[derive(Default)]
@@ -72,15 +78,26 @@ impl Board for FakeBoard {
     }
 }
 
-#[derive(Default)]
 pub struct Bench {
     pub app: Box<App>,
     pub board: FakeBoard,
     pub sequence: u16,
-    /// The host that asks; 0: one of version 4 or older.
+    /// The host that asks.
     pub session: u32,
-    /// The boot that it means; 0: it is of version 5 or older.
+    /// The boot that it means.
     pub boot: u32,
+}
+
+impl Default for Bench {
+    fn default() -> Self {
+        Bench { app: Box::default(), board: FakeBoard::default(), sequence: 0, session: HOST, boot: 0 }
+    }
+}
+
+/// The bytes of a change.
+pub fn change(entries: &[Entry<'_>]) -> Vec<u8> {
+    let mut room = [0; PART_BYTES];
+    entries.iter().flat_map(|entry| entry.write(&mut room).expect("room").to_vec()).collect()
 }
 
 impl Bench {
@@ -108,15 +125,8 @@ impl Bench {
 
     pub fn frame(&mut self, body: RequestBody<'_>) -> Vec<u8> {
         self.sequence = self.sequence.wrapping_add(1);
-        let request = Request { sequence: self.sequence, body };
-        let mut frame = [0; MAX_FRAME];
-        let asked = InSession { request, session: self.session };
-        let framed = match (self.session, self.boot) {
-            (0, _) => encode(&request, &mut frame),
-            (_, ANY_BOOT) => encode(&asked, &mut frame),
-            (_, boot) => encode(&InBoot { asked, boot }, &mut frame),
-        };
-        framed.expect("fits").to_vec()
+        let request = Request { sequence: self.sequence, session: self.session, boot: self.boot, body };
+        encode(&request, &mut [0; MAX_FRAME]).expect("fits").to_vec()
     }
 
     pub fn ask_for<T>(&mut self, body: RequestBody<'_>, take: impl Fn(ReplyBody<'_>) -> T) -> T {
@@ -152,20 +162,40 @@ impl Bench {
 
     /// A closed-loop test of `samples` samples.
     pub fn test(&mut self, samples: u32, decimation: u16, pre_trigger: u16) {
-        self.done(RequestBody::TestBegin {
-            name: "bench",
-            duration_us: samples * 1300,
-            decimation,
-            pre_trigger,
-        });
-        self.done(RequestBody::TestMove { time_us: 0, target: 500 });
-        self.done(RequestBody::TestMove { time_us: 5200, target: 0 });
+        let test = Entry::Test { name: "bench", last_sample: samples, round: 0, decimation, pre_trigger };
+        let moves = [(0, 500), (4, 0)].map(|(at_sample, target)| Entry::Move { at_sample, target });
+        self.takes(&[test, moves[0], moves[1]]);
+    }
+
+    /// Sends a change in small parts, and asks to take it.
+    pub fn take(&mut self, change: &[u8]) -> String {
+        let crc32 = frame::crc32(change);
+        for (index, part) in change.chunks(7).enumerate() {
+            self.done(RequestBody::ChangePart { crc32, first: 7 * index as u16, part });
+        }
+        self.ask(RequestBody::ChangeTake { crc32 })
+    }
+
+    pub fn takes(&mut self, entries: &[Entry<'_>]) {
+        assert_eq!(self.take(&change(entries)), "Done", "{entries:?}");
+    }
+
+    /// The request that starts the test that the drive has, with the parameters in force.
+    pub fn start_request(&self) -> RequestBody<'static> {
+        let (test, parameters) = (self.app.control.test().crc32(), self.app.control.configuration().hash());
+        RequestBody::Start { crc32: start_crc32(test.unwrap_or(0), parameters) }
+    }
+
+    /// The request that reads some of the record that the drive has.
+    pub fn read(&mut self, first: u32, count: u8) -> RequestBody<'static> {
+        let crc32 = self.app.control.recorder.digest(usize::MAX).unwrap_or(0);
+        RequestBody::RecordRead { crc32, first, count }
     }
 
     /// The same, ready to start.
     pub fn armed(&mut self, samples: u32, decimation: u16, pre_trigger: u16) {
         self.test(samples, decimation, pre_trigger);
-        self.done(RequestBody::Arm);
+        self.done(ARM);
     }
 
     /// The whole record: index of the first sample and all samples, its CRC checked.
@@ -183,11 +213,11 @@ impl Bench {
         while (samples.len() as u32) < count {
             let at = samples.len() as u32;
             let wanted = (count - at).min(CHUNK_SAMPLES as u32) as u8;
-            let bytes =
-                self.ask_for(RequestBody::RecordRead { first: at, count: wanted }, |reply| match reply {
-                    ReplyBody::Chunk { first, samples } if first == at => samples.to_vec(),
-                    other => panic!("{other:?}"),
-                });
+            let read = RequestBody::RecordRead { crc32: crc, first: at, count: wanted };
+            let bytes = self.ask_for(read, |reply| match reply {
+                ReplyBody::Chunk { first, samples } if first == at => samples.to_vec(),
+                other => panic!("{other:?}"),
+            });
             digest.update(&bytes);
             samples.extend(RecordedSample::read(&bytes).expect("whole samples"));
         }

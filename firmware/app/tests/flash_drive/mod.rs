@@ -1,14 +1,14 @@
 //! A drive with flash, on a board whose rod stands still.
 #![allow(dead_code)] // Each test file uses a part.
 
-use pneudrive_app::control::Test;
 use pneudrive_app::fault_log::{MEMORY_BYTES, Memory};
 use pneudrive_app::ram_flash::RamFlash;
 use pneudrive_app::store::FlashStore;
 use pneudrive_app::{Board, Control};
 use pneudrive_controller::drive::SpoolLocation;
 use pneudrive_controller::parameters::id;
-use pneudrive_controller::{Command, Config, Mode, Move, Sample};
+use pneudrive_controller::{Command, Config, Mode, Sample};
+use pneudrive_protocol::change::{Entry, PART_BYTES};
 
 pub type Kept = FlashStore<RamFlash, Memory>;
 
@@ -103,6 +103,15 @@ impl Drive {
         }
     }
 
+    /// Takes a test of one step.
+    pub fn take_test(&mut self, last_sample: u32, target: i32) {
+        let test = Entry::Test { name: "step", last_sample, round: 0, decimation: 1, pre_trigger: 0 };
+        let mut room = [0; PART_BYTES];
+        let entries = [test, Entry::Move { at_sample: 0, target }];
+        let change = entries.map(|entry| entry.write(&mut room).expect("room").to_vec()).concat();
+        self.control.take_change(&change).expect("disarmed");
+    }
+
     pub fn set(&mut self, id: u16, value: i32) {
         self.control.set_parameters(id, [value].into_iter()).expect("taken");
     }
@@ -125,8 +134,7 @@ pub fn stepper_that_has_learned() -> Drive {
     drive.set(id::SCALE, 1);
     drive.set(id::LEARNING_GAIN, 1);
     drive.control.save_parameters(&mut drive.board).expect("disarmed");
-    drive.control.set_test(Test::new("learn", 9, 1, 0)).expect("disarmed");
-    drive.control.push_move(Move::step(0, 107)).expect("room");
+    drive.take_test(9, 107);
     drive.control.arm(&mut drive.board).expect("disarmed");
     drive.control.start(&mut drive.board).expect("armed");
     drive.samples(11);

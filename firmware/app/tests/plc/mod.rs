@@ -4,11 +4,11 @@
 pub mod oracle;
 
 use pneudrive_app::fault_log::{MEMORY_BYTES, Memory};
-use pneudrive_app::store::{FlashStore, Layout};
+use pneudrive_app::store::{FlashStore, Layout, Store as _};
 use pneudrive_app::{Board, Control, Server};
 use pneudrive_controller::{Command, Config, Mode, Sample};
 use pneudrive_protocol::io::input::{ACKNOWLEDGE, ENABLE, NUMBER, RUN, START};
-use pneudrive_protocol::{InSession, MAX_FRAME, Request, RequestBody, encode};
+use pneudrive_protocol::{MAX_FRAME, Request, RequestBody, encode};
 
 use crate::nor_flash::{Flash, SECTOR};
 
@@ -127,9 +127,10 @@ impl Machine {
     /// A host stops the drive by a request.
     pub fn stop(&mut self) {
         self.sequence = self.sequence.wrapping_add(1);
-        let request = Request { sequence: self.sequence, body: RequestBody::Stop };
+        let boot = self.board.store().boot();
+        let request = Request { sequence: self.sequence, session: 1007, boot, body: RequestBody::Stop };
         let mut room = [0; MAX_FRAME];
-        let frame = encode(&InSession { request, session: 7 }, &mut room).expect("fits");
+        let frame = encode(&request, &mut room).expect("fits");
         let mut reply = Vec::new();
         let Ok(()) = self.server.receive(frame, &mut self.control, &mut self.board, &mut reply);
         assert!(!reply.is_empty(), "a stop is answered");

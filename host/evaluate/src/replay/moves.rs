@@ -68,19 +68,16 @@ fn open_loop(config: &Config, recorded: &[RecordedSample], referenced: bool) -> 
     Ok(Plan { sequence: sequence(config, &moves, recorded.len())?, referenced, inferred })
 }
 
-/// Before the first move a drive holds the count of its first sample; one with a firmware before version 5 of the
-/// protocol held 0. A run that begins with one of these setpoints may have begun with a move to it or not. That
-/// matters only where such a move ends at rest, and so teaches the null offset.
+/// Before the first move a drive holds the count of its first sample. A run that begins with that setpoint may have begun
+/// with a move to it or not. That matters only where such a move ends at rest, and so teaches the null offset.
 fn closed_loop(config: &Config, recorded: &[RecordedSample]) -> Result<Vec<Plan>, ReplayError> {
     let found = setpoints(recorded)?;
     let inferred: Vec<bool> = found.iter().map(|setpoint| setpoint.inferred).collect();
     let counts: Vec<i32> = found.iter().map(|setpoint| setpoint.counts).collect();
-    let first = counts.first().copied();
     let held_first =
-        first.filter(|&first| first == 0 || recorded.first().is_some_and(|k| k.position == first));
+        counts.first().copied().filter(|&first| recorded.first().is_some_and(|k| k.position == first));
     let plan = |moves: &[Move]| {
-        let mut sequence = sequence(config, moves, recorded.len())?;
-        sequence.held_first = held_first;
+        let sequence = sequence(config, moves, recorded.len())?;
         Ok(Plan { sequence, referenced: true, inferred: inferred.clone() })
     };
     let moves = changes(held_first, &counts);

@@ -4,7 +4,7 @@ use pneudrive_controller::Parameters;
 use pneudrive_controller::parameters::{Parameter, SetError, TABLE, by_name};
 use pneudrive_records::target::TargetFile;
 
-use super::{ReplayError, older};
+use super::ReplayError;
 
 /// The controller's parameters in the header.
 #[derive(Clone, Debug)]
@@ -16,15 +16,13 @@ pub struct Header {
 }
 
 impl Header {
-    /// Reads the parameters of a file. An older firmware has fewer of them: their defaults hold, but it had no end
-    /// positions. One that a
-    /// newer firmware has and this program does not know is told, not refused: where all commands are equal
-    /// it has made no difference.
+    /// Reads the parameters of a file. A firmware may have had fewer of them: their defaults hold. One that this program does
+    /// not know is told, not refused: where all commands are equal it has made no difference.
     ///
     /// # Errors
     /// With the name of a value that is none, or out of range.
     pub fn of(file: &TargetFile) -> Result<Header, ReplayError> {
-        let mut parameters = older::unnamed();
+        let mut parameters = Parameters::default();
         for parameter in &TABLE {
             if let Some(text) = file.get(&key(parameter.name)) {
                 set(&mut parameters, parameter, text)?;

@@ -42,28 +42,8 @@ fn file(parameters: &Parameters, first_index: i32, samples: Vec<RecordedSample>)
 
 /// What the recorder stores of a run over these positions.
 fn record(parameters: &Parameters, moves: &[(u32, i32)], positions: &[i32]) -> Vec<RecordedSample> {
-    record_held(None, parameters, moves, positions)
-}
-
-/// The same by a controller that holds something else before its first move than the count of k = 0.
-fn record_held(
-    held_first: Option<i32>,
-    parameters: &Parameters,
-    moves: &[(u32, i32)],
-    positions: &[i32],
-) -> Vec<RecordedSample> {
-    record_by(&Config::new(parameters).expect("they go together"), held_first, moves, positions)
-}
-
-/// The same by a controller of any configuration.
-fn record_by(
-    config: &Config,
-    held_first: Option<i32>,
-    moves: &[(u32, i32)],
-    positions: &[i32],
-) -> Vec<RecordedSample> {
+    let config = &Config::new(parameters).expect("they go together");
     let mut sequence = Sequence::new(100_000);
-    sequence.held_first = held_first;
     for &(at_sample, target) in moves {
         sequence.push(Move::step(at_sample, target)).expect("room");
     }
@@ -209,19 +189,6 @@ fn moves_that_wait_for_arrival_come_at_the_same_samples_and_teach_the_same_null(
 }
 
 #[test]
-fn a_record_with_a_command_at_its_exit_replays_if_its_firmware_gave_one() {
-    let values = parameters(&[(id::ON_ARRIVAL, 1), (id::TOLERANCE_COUNTS, 30)]);
-    let mut config = Config::new(&values).expect("they go together");
-    config.motion.commands_at_exit = true;
-    let samples = record_by(&config, None, &[(0, 8300), (0, 8900)], &walk());
-    assert_ne!(samples, record(&values, &[(0, 8300), (0, 8900)], &walk()));
-    let mut file = file(&values, 0, samples);
-    assert!(replay(&file).expect("whole").first.is_some(), "that of today gives none");
-    file.header.retain(|(key, _)| key != "param.homing_back_off_counts");
-    assert_eq!(replay(&file).expect("whole").first, None);
-}
-
-#[test]
 fn a_move_that_comes_to_its_setpoint_after_the_forced_exit_teaches_nothing() {
     let values = parameters(&[
         (id::ON_ARRIVAL, 1),
@@ -237,16 +204,14 @@ fn a_move_that_comes_to_its_setpoint_after_the_forced_exit_teaches_nothing() {
     assert_ne!(command(&late), command(&early), "one that arrives in time does");
 }
 
-/// Older firmware held 0 until then, which is full retraction; its records are what they are.
 #[test]
-fn a_record_whose_first_move_comes_late_replays_with_either_firmware() {
-    for (held_first, on_arrival) in [(None, 0), (Some(0), 0), (None, 1), (Some(0), 1)] {
+fn a_record_whose_first_move_comes_late_replays_equal() {
+    for on_arrival in [0, 1] {
         let values = parameters(&[(id::ON_ARRIVAL, on_arrival), (id::LEARNING_GAIN, 50)]);
-        let samples = record_held(held_first, &values, &[(5, 9000), (20, 8300)], &walk());
-        let setpoint = samples[0].position + i32::from(samples[0].error);
-        assert_eq!(setpoint, held_first.unwrap_or(8192));
+        let samples = record(&values, &[(5, 9000), (20, 8300)], &walk());
+        assert_eq!(samples[0].error, 0, "it holds where it stands");
         let replay = replay(&file(&values, 0, samples)).expect("a whole record");
-        assert_eq!((replay.first, replay.equal_samples()), (None, walk().len()), "{held_first:?}");
+        assert_eq!((replay.first, replay.equal_samples()), (None, walk().len()));
     }
 }
 
@@ -359,42 +324,4 @@ fn parameters_that_only_one_side_has_are_told() {
     let [missing, unknown] = &replay.notes[..] else { panic!("{:?}", replay.notes) };
     assert!(missing.starts_with("sensor_samples, no_motion_ms: not in the file"), "{missing}");
     assert!(unknown.starts_with("jerk_limit: in the file, but this version does not know it"), "{unknown}");
-}
-
-/// The header of firmware that is older than the rules of `older`.
-fn of_older_firmware(mut file: TargetFile) -> TargetFile {
-    file.header.retain(|(key, _)| key != "param.late_output_us");
-    file
-}
-
-#[test]
-fn a_record_of_a_lost_encoder_replays_by_the_rules_of_its_firmware() {
-    let gain = [(id::LAW, 1), (id::PROPORTIONAL_GAIN, 256), (id::NO_MOTION_MS, 13)];
-    let standing = |offset: i32, target: i32, samples: usize| {
-        let values = parameters(&[&gain[..], &[(id::NULL_OFFSET_COUNTS, offset)]].concat());
-        let mut watched = values.clone();
-        watched.set(id::NO_MOTION_MS, 0).expect("in range");
-        (values, record(&watched, &[(0, target)], &vec![8192; samples]))
-    };
-    // Open by less than half: older firmware went on, the present one trips after 31 samples.
-    let (values, samples) = standing(0, 8592, 100);
-    let file = file(&values, 0, samples);
-    assert_eq!(replay(&of_older_firmware(file.clone())).expect("whole").first, None);
-    assert_eq!(replay(&file).expect("whole").tripped, Some((Fault::NoMotion, 31)));
-    // Open by more than half, 10 samples of it from a null offset: older firmware tripped at sample 10.
-    let (values, mut samples) = standing(600, 8692, 11);
-    samples[10].command = 0;
-    let file = self::file(&values, 0, samples);
-    let older = replay(&of_older_firmware(file.clone())).expect("whole");
-    assert_eq!((older.first, older.tripped), (None, Some((Fault::NoMotion, 10))));
-    assert_eq!(replay(&file).expect("whole").tripped, None, "500 counts from the null: it takes longer");
-}
-
-#[test]
-fn a_record_without_end_positions_in_its_header_may_have_gone_anywhere() {
-    let values = parameters(&[(id::END_MIN_COUNTS, -i32::MAX), (id::END_MAX_COUNTS, i32::MAX)]);
-    let mut file = file(&values, 0, record(&values, &[(0, 25_000)], &walk()));
-    file.header.retain(|(key, _)| !key.starts_with("param.end_"));
-    let replay = replay(&file).expect("not refused");
-    assert_eq!(replay.first, None);
 }

@@ -1,5 +1,4 @@
-//! Atomic changes of parameters and test (version 5 of the protocol), and the start request that names them. An older rig
-//! takes them request by request.
+//! Atomic changes of parameters and test, and the start request that names them.
 
 use anyhow::{Result, bail};
 use pneudrive_app::moves::told;
@@ -77,25 +76,17 @@ impl Client {
     /// [`Client::import_parameters`] does.
     ///
     /// # Errors
-    /// When it is refused, the drive is not disarmed, or the firmware too old for such a test. Nothing is changed then;
-    /// firmware before version 5 may have taken a part.
+    /// When it is refused, or the drive is not disarmed. Nothing is changed then.
     pub fn prepare(
         &mut self,
         rig: &Rig,
         last_sample: u32,
         parameters: Option<&Parameters>,
     ) -> Result<Vec<&'static str>> {
-        if rig.sequence().moves().iter().any(|next| next.profile != Profile::Step) {
-            self.needs_version(7, "moves with profiles (test.move, test.profile)")?;
-        }
+        if rig.sequence().moves().iter().any(|next| next.profile != Profile::Step) {}
         self.last_sample = Some(last_sample);
         // For a test without parameters: those of the rig as this program last read them.
         self.meant = self.known.take().map(|(_, parameters)| parameters);
-        if self.version < 5 {
-            let lacking = parameters.map(|parameters| self.import_parameters(parameters)).transpose()?;
-            self.download_step_by_step(rig, last_sample)?;
-            return Ok(lacking.unwrap_or_default());
-        }
         let mut change = Change::default();
         let lacking = match parameters {
             Some(parameters) => self.add_those_it_has(parameters, &mut change)?,
@@ -113,9 +104,8 @@ impl Client {
     /// Downloads a test that belongs to no rig file: its moves, every Nth sample of which is recorded from the start on.
     ///
     /// # Errors
-    /// When it is refused, the drive is not disarmed, or the firmware has no atomic changes (protocol before version 5).
+    /// When it is refused, or the drive is not disarmed.
     pub fn prepare_moves(&mut self, name: &str, sequence: &Sequence, decimation: u16) -> Result<()> {
-        self.needs_version(5, "a test of single moves")?;
         let last_sample = sequence.duration_samples;
         let mut change = Change::default();
         let (round, pre_trigger) = (sequence.round(), 0);
@@ -161,43 +151,21 @@ impl Client {
         })
     }
 
-    /// Downloads a test to firmware before version 5.
-    fn download_step_by_step(&mut self, rig: &Rig, last_sample: u32) -> Result<()> {
-        let duration_us = last_sample.checked_mul(rig.period_us().get());
-        let round = rig.sequence().round();
-        let spans = round > 0 || duration_us.is_none();
-        if spans {
-            self.needs_version(4, "a test that repeats its moves or lasts more than 71 minutes")?;
-        }
-        self.ask_done(RequestBody::TestBegin {
-            name: short(rig.name()),
-            duration_us: duration_us.unwrap_or(u32::MAX),
-            decimation: rig.get(&keys::test::DECIMATION) as u16,
-            pre_trigger: rig.get(&keys::test::PRE_TRIGGER) as u16,
-        })?;
-        for (time_s, target) in rig.moves() {
-            let time_us = (time_s * 1e6).round() as u32;
-            self.ask_done(RequestBody::TestMove { time_us, target: target as i32 })?;
-        }
-        if spans { self.ask_done(RequestBody::TestSpan { last_sample, round }) } else { Ok(()) }
-    }
-
     /// Starts the test that this client has downloaded. The parameters in force must be those downloaded with it or, without
     /// such, those read before; and those read since, if any.
     ///
     /// # Errors
     /// When it is refused or not answered; also when another program has changed the test or the parameters since.
     pub fn start(&mut self) -> Result<()> {
-        let Some(test) = self.test_crc32.filter(|_| self.version >= 5) else {
-            return self.ask_done(RequestBody::Start);
-        };
+        // Without a test of its own it names none that a rig could have.
+        let test = self.test_crc32.unwrap_or(0);
         // The drive is armed: its parameters can no longer change.
         let parameters = self.config_state()?.hash;
         let read_since = self.known.take_if(|(hash, _)| *hash != parameters).map(|(_, read)| read);
         for expected in [self.meant.take(), read_since].into_iter().flatten() {
             self.refuse_others_parameters(&expected, parameters)?;
         }
-        self.ask_done(RequestBody::StartTest { crc32: start_crc32(test, parameters) })
+        self.ask_done(RequestBody::Start { crc32: start_crc32(test, parameters) })
     }
 
     /// Refuses to start if the parameters in force, which have this fingerprint, differ from the expected ones.

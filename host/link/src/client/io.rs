@@ -1,4 +1,4 @@
-//! The digital inputs and outputs (version 8 of the protocol).
+//! The digital inputs and outputs.
 
 use anyhow::Result;
 use pneudrive_protocol::{ReplyBody, RequestBody};
@@ -27,7 +27,6 @@ impl Client {
     /// # Errors
     /// When the firmware has none, or does not answer.
     pub fn io(&mut self) -> Result<Io> {
-        self.needs_version(8, "digital inputs and outputs")?;
         self.ask(RequestBody::Io, |reply| match *reply {
             ReplyBody::Io { inputs, settled, outputs, number, refused } => {
                 Ok(Io { inputs, settled, outputs, number, refused })
@@ -41,7 +40,6 @@ impl Client {
     /// # Errors
     /// When they are pins, or the firmware has none.
     pub fn set_inputs(&mut self, inputs: u8) -> Result<()> {
-        self.needs_version(8, "digital inputs and outputs")?;
         self.ask_done(RequestBody::IoSet { inputs })
     }
 }

@@ -1,4 +1,4 @@
-//! The table of move records (version 8 of the protocol).
+//! The table of move records.
 
 use anyhow::{Result, anyhow};
 use pneudrive_app::moves::{meant, told};
@@ -18,7 +18,6 @@ impl Client {
     /// # Errors
     /// When its firmware has none, it does not answer, or says what is no record.
     pub fn move_records(&mut self) -> Result<Vec<MoveRecord>> {
-        self.needs_version(8, "move records")?;
         let (mut records, mut number) = (Vec::new(), 1);
         while number <= MOVE_RECORDS {
             let bytes = self.move_records_from(number)?;
@@ -72,7 +71,6 @@ impl Client {
     }
 
     fn change_move_records(&mut self, records: impl Iterator<Item = (u8, ProfiledMove)>) -> Result<()> {
-        self.needs_version(8, "move records")?;
         let mut change = Change::default();
         for (number, told) in records {
             change.add(&Entry::MoveRecord { number, bytes: &told.to_bytes() });

@@ -1,12 +1,12 @@
-//! The owner of the drive (version 5 of the protocol): the session that armed it, while it is heard. And the boot of the
-//! rig (version 6).
+//! The owner of the drive: the session that armed it, while it is heard. And the boot of the rig.
 
 use std::hash::{BuildHasher, RandomState};
 
 use anyhow::{Context, Result};
 use pneudrive_controller::Fault;
 use pneudrive_controller::config::unwatched;
-use pneudrive_protocol::{ANY_BOOT, Owner, Presence, Refused, ReplyBody, Request, RequestBody, session};
+use pneudrive_protocol::session::{self, NO_BOOT};
+use pneudrive_protocol::{Owner, Presence, ReplyBody, RequestBody};
 use pneudrive_records::untrusted::{NAME, sanitised};
 use pneudrive_records::words;
 
@@ -23,7 +23,7 @@ pub struct Commander {
     pub session: u32,
     /// Time since it was last heard, milliseconds; 0 if the rig has no clock for that.
     pub silent_ms: u32,
-    /// What it calls itself; empty for a program of version 4 of the protocol or older.
+    /// What it calls itself.
     pub host: String,
 }
 
@@ -37,7 +37,7 @@ impl From<&Owner<'_>> for Commander {
 /// A random session number, unlikely to be that of another host.
 pub(super) fn any_session() -> u32 {
     let drawn = RandomState::new().hash_one(std::process::id()) as u32;
-    if matches!(drawn, session::OLD_HOSTS | session::INPUTS) { 1 } else { drawn }
+    session::FIRST + drawn % (session::INPUTS - session::FIRST)
 }
 
 /// What this program calls itself.
@@ -55,11 +55,8 @@ fn checks_are_off(name: &str, off: &[Fault]) -> String {
 }
 
 impl Client {
-    /// The number of the rig's boot, if its firmware counts boots.
+    /// The number of the rig's boot.
     pub(super) fn number_of_boot(&mut self) -> Result<u32> {
-        if self.version < 6 {
-            return Ok(ANY_BOOT);
-        }
         self.ask(RequestBody::Boot, |reply| match reply {
             ReplyBody::Boot { number } => Ok(*number),
             other => Err(unexpected(other)),
@@ -78,28 +75,19 @@ impl Client {
         &self.name
     }
 
-    /// Whether the firmware speaks this version of the protocol.
-    #[must_use]
-    pub fn speaks(&self, version: u16) -> bool {
-        self.version >= version
-    }
-
     /// Whether its requests name the boot of the rig, so that a delayed copy of one is refused after a reset.
     #[must_use]
     pub fn names_its_boot(&self) -> bool {
-        self.boot != ANY_BOOT
+        self.boot != NO_BOOT
     }
 
-    /// Who commands the drive; None where the firmware is too old to know.
+    /// Who commands the drive.
     ///
     /// # Errors
     /// When the rig does not answer.
-    pub fn owner(&mut self) -> Result<Option<Commander>> {
-        if self.version < 5 {
-            return Ok(None);
-        }
+    pub fn owner(&mut self) -> Result<Commander> {
         self.ask(RequestBody::Owner, |reply| match reply {
-            ReplyBody::Owner(owner) => Ok(Some(owner.into())),
+            ReplyBody::Owner(owner) => Ok(owner.into()),
             other => Err(unexpected(other)),
         })
     }
@@ -126,11 +114,7 @@ impl Client {
         if off.iter().any(|check| !self.without.contains(check)) {
             return Err(Failure::Refused.error(checks_are_off(&self.name, &off)));
         }
-        if self.version < 5 {
-            self.ask_done(RequestBody::Arm)?;
-            return Ok(off);
-        }
-        self.ask_done(RequestBody::ArmAs { host: &host_name() })?;
+        self.ask_done(RequestBody::Arm { host: &host_name() })?;
         self.commands = true;
         Ok(off)
     }
@@ -140,12 +124,13 @@ impl Client {
     /// # Errors
     /// When another host commands it, or the rig does not answer.
     pub fn take_over(&mut self) -> Result<()> {
-        match self.owner()? {
-            Some(owner) if owner.presence == Presence::There && owner.session != self.session => {
+        let owner = self.owner()?;
+        match owner.presence {
+            Presence::There if owner.session != self.session => {
                 let owned = words::owned(owner.presence, &owner.host, owner.silent_ms);
                 Err(Failure::Refused.error(format!("{}: {owned}", self.name)))
             }
-            Some(Commander { presence: Presence::Gone, .. }) => {
+            Presence::Gone => {
                 self.ask_done(RequestBody::TakeOver { host: &host_name() })?;
                 self.commands = true;
                 Ok(())
@@ -154,11 +139,11 @@ impl Client {
         }
     }
 
-    /// Sends the token to a rig. A rig that needs none, or is too old to know it, goes on without.
+    /// Sends the token to a rig. A rig that needs none goes on without.
     pub(super) fn send_token(&mut self, token: &str) -> Result<()> {
         let name = self.name.clone();
         let recent = self.ask_for_any(RequestBody::Token { token }, |reply| match reply {
-            ReplyBody::Done | ReplyBody::Refused(Refused::Unknown) => Ok(()),
+            ReplyBody::Done => Ok(()),
             other => Err(unexpected(other)),
         });
         recent.with_context(|| format!("{name}: was it started with another PNEUDRIVE_TOKEN?"))
@@ -189,7 +174,7 @@ impl Drop for Client {
         if self.commands {
             self.sequence = self.sequence.wrapping_add(1);
             // If the link is broken, the rig notices that itself a moment later.
-            let _ = self.send(Request { sequence: self.sequence, body: RequestBody::Leave });
+            let _ = self.send(self.sequence, RequestBody::Leave);
         }
     }
 }

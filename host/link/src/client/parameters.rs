@@ -20,9 +20,6 @@ impl Client {
     /// # Errors
     /// When the rig does not answer, has a value out of this program's range, or another program keeps changing them.
     pub fn parameters(&mut self) -> Result<RigParameters> {
-        if self.version < 5 {
-            return self.read_blocks();
-        }
         let mut before = self.config_state()?.hash;
         for _ in 0..TRIES {
             let read = self.read_blocks()?;
@@ -95,7 +92,7 @@ impl Client {
         })
     }
 
-    /// Whether the rig has pressure sensors; firmware that does not know of rigs without has.
+    /// Whether the rig has pressure sensors.
     ///
     /// # Errors
     /// When the rig does not answer.
@@ -119,12 +116,11 @@ impl Client {
     /// Changes these parameters, ids and values, and no others: all of them or none. Without any the rig is not asked.
     ///
     /// # Errors
-    /// When a value is refused, the drive is not disarmed, or the firmware has no atomic changes (protocol before version 5).
+    /// When a value is refused, or the drive is not disarmed.
     pub fn change_parameters(&mut self, values: &[(u16, i32)]) -> Result<()> {
         if values.is_empty() {
             return Ok(());
         }
-        self.needs_version(5, "parameters that are changed as a whole")?;
         let mut change = Change::default();
         for run in values.chunk_by(|(before, _), (next, _)| before + 1 == *next) {
             let values: Vec<i32> = run.iter().map(|(_, value)| *value).collect();
@@ -135,22 +131,15 @@ impl Client {
     }
 
     /// Downloads all parameters that the firmware has, and returns the names of the others, which have their defaults
-    /// there. All of them are applied or none; firmware before version 5 takes them block by block.
+    /// there. All of them are applied or none.
     ///
     /// # Errors
     /// When one is refused, or the drive is not disarmed; before anything is changed, when the firmware lacks a parameter
     /// whose value is not the default.
     pub fn import_parameters(&mut self, parameters: &Parameters) -> Result<Vec<&'static str>> {
         let mut change = Change::default();
-        if self.version >= 5 {
-            let lacking = self.add_those_it_has(parameters, &mut change)?;
-            return self.take(&change).map(|()| lacking);
-        }
-        let on_rig = self.parameters_for(parameters)?;
-        for (first_id, values) in runs(&on_rig, parameters) {
-            self.set_parameters(first_id, &values)?;
-        }
-        Ok(on_rig.lacking_names())
+        let lacking = self.add_those_it_has(parameters, &mut change)?;
+        self.take(&change).map(|()| lacking)
     }
 
     /// Adds the parameters that the firmware has to a change, and returns the names of the others.
@@ -159,18 +148,12 @@ impl Client {
         parameters: &Parameters,
         change: &mut Change,
     ) -> Result<Vec<&'static str>> {
-        let on_rig = self.parameters_for(parameters)?;
+        let on_rig = self.parameters()?;
+        self.refuse_to_leave_out(&on_rig, parameters)?;
         for (first_id, values) in runs(&on_rig, parameters) {
             change.add_parameters(first_id, &values);
         }
         Ok(on_rig.lacking_names())
-    }
-
-    /// The parameters of a rig that is to take these.
-    fn parameters_for(&mut self, parameters: &Parameters) -> Result<RigParameters> {
-        let on_rig = self.parameters()?;
-        self.refuse_to_leave_out(&on_rig, parameters)?;
-        Ok(on_rig)
     }
 
     fn refuse_to_leave_out(&self, on_rig: &RigParameters, parameters: &Parameters) -> Result<()> {

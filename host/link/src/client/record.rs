@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use anyhow::{Context, Result};
 use pneudrive_protocol::{
-    CHUNK_SAMPLES, Mode, RecordCrc, RecordedSample, Refused, Reply, ReplyBody, Request, RequestBody,
+    CHUNK_SAMPLES, Mode, RecordCrc, RecordedSample, Refused, Reply, ReplyBody, RequestBody,
 };
 use pneudrive_records::record::{Record, RecordHead};
 
@@ -133,13 +133,8 @@ impl Client {
         let first = chunk * CHUNK_SAMPLES;
         let count = (head.samples - first).min(CHUNK_SAMPLES) as u8;
         let first = first as u32;
-        // Older firmware does not identify records: the CRC at the end detects samples of another one.
-        let body = match self.version {
-            ..3 => RequestBody::RecordRead { first, count },
-            3.. => RequestBody::RecordChunk { crc32: head.crc32, first, count },
-        };
         self.sequence = self.sequence.wrapping_add(1);
-        self.send(Request { sequence: self.sequence, body })
+        self.send(self.sequence, RequestBody::RecordRead { crc32: head.crc32, first, count })
     }
 
     /// The head of the record, with its CRC.
@@ -160,7 +155,7 @@ impl Client {
         let deadline = self.link.now() + DIGESTING;
         while !complete && self.link.now() < deadline {
             goes_on()?;
-            if matches!(self.status()?.mode, Mode::Armed | Mode::Running) {
+            if matches!(self.status()?.mode, Mode::Armed | Mode::Homing | Mode::Running) {
                 break;
             }
             (head, complete) = self.ask_record_info()?;

@@ -1,4 +1,4 @@
-//! The stream of a rig: samples of a run while it lasts (version 3 of the protocol).
+//! The stream of a rig: samples of a run while it lasts.
 
 use std::collections::VecDeque;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -73,19 +73,12 @@ impl Unasked {
 }
 
 impl Client {
-    /// # Errors
-    /// When the firmware has no streams.
-    pub fn needs_streams(&mut self) -> Result<()> {
-        self.needs_version(3, "a stream")
-    }
-
     /// Begins a stream of every Nth sample of a run; `sample_hz` is the sample rate. Rows come a few times a second, or in
     /// full messages.
     ///
     /// # Errors
-    /// When the firmware is too old, or does not answer.
+    /// When the rig does not answer.
     pub fn stream_begin(&mut self, every: u16, sample_hz: f64) -> Result<()> {
-        self.needs_streams()?;
         let batch = (sample_hz / f64::from(every.max(1)) / 10.0).clamp(1.0, MAX_ROWS as f64) as u8;
         let stream = Some(self.sequence.wrapping_add(1));
         self.unasked = Unasked { stream, every, ..Unasked::default() };

@@ -17,14 +17,11 @@ struct Part {
 }
 
 impl Client {
-    /// The rig's test as it was last downloaded; None of a rig that does not tell it (protocol before version 7).
+    /// The rig's test as it was last downloaded.
     ///
     /// # Errors
     /// When the rig does not answer, or says what is no test.
-    pub fn test(&mut self) -> Result<Option<Sequence>> {
-        if self.version < 7 {
-            return Ok(None);
-        }
+    pub fn test(&mut self) -> Result<Sequence> {
         let head = self.test_part(0)?;
         let mut sequence = Sequence::new(head.last_sample);
         sequence.repeat_every(head.round).map_err(|_| self.no_test())?;
@@ -37,7 +34,7 @@ impl Client {
             }
             let known = sequence.moves().len() as u8;
             if known >= total {
-                return Ok(Some(sequence));
+                return Ok(sequence);
             }
             part = self.test_part(known)?;
             if part.moves.is_empty() {

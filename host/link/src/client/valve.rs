@@ -1,4 +1,4 @@
-//! The spool of a stepper valve after a reset (version 6 of the protocol).
+//! The spool of a stepper valve after a reset.
 
 use anyhow::Result;
 use pneudrive_protocol::RequestBody;
@@ -11,7 +11,6 @@ impl Client {
     /// # Errors
     /// When it is refused or not answered.
     pub fn seek_null(&mut self) -> Result<()> {
-        self.needs_version(6, "the spool of a stepper after a reset")?;
         self.ask_done(RequestBody::SeekNull)
     }
 
@@ -20,7 +19,6 @@ impl Client {
     /// # Errors
     /// When it is refused or not answered.
     pub fn at_null(&mut self) -> Result<()> {
-        self.needs_version(6, "the spool of a stepper after a reset")?;
         self.ask_done(RequestBody::AtNull)
     }
 }

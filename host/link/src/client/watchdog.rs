@@ -1,10 +1,10 @@
-//! The trial of a board's watchdog (version 9 of the protocol).
+//! The trial of a board's watchdog.
 
 use std::io;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
-use pneudrive_protocol::{Accumulator, Event, Refused, ReplyBody, Request, RequestBody, code};
+use pneudrive_protocol::{Accumulator, Event, Refused, ReplyBody, RequestBody, code};
 
 use super::answer::{refusal, unexpected};
 use super::{ANSWER_WAIT, Client, stream};
@@ -53,10 +53,9 @@ impl Client {
     /// From then on this client talks to the new boot, which knows of no test, no reference and only of what was stored.
     ///
     /// # Errors
-    /// When the drive is not disarmed, another host commands it, the firmware knows no trial, or the board cannot tell one boot
+    /// When the drive is not disarmed, another host commands it, or the board cannot tell one boot
     /// from the next; nothing is tried then. When `goes_on` ends the wait: the trial stays on.
     pub fn try_watchdog(&mut self, wait: Duration, goes_on: &mut dyn FnMut() -> Result<()>) -> Result<Trial> {
-        self.needs_version(9, "a trial of the watchdog")?;
         if !self.names_its_boot() {
             bail!(
                 "{}: the board cannot tell one boot from the next, so a reset by its watchdog would not be seen: its flash has failed",
@@ -111,7 +110,7 @@ impl Client {
     fn boot_now(&mut self) -> Result<Option<u32>> {
         self.sequence = self.sequence.wrapping_add(1);
         let sequence = self.sequence;
-        self.send(Request { sequence, body: RequestBody::Boot })?;
+        self.send(sequence, RequestBody::Boot)?;
         let deadline = self.link.now() + ANSWER_WAIT;
         self.hear(deadline, |reply| match reply.body {
             ReplyBody::Boot { number } if reply.sequence == sequence => Some(number),
@@ -138,8 +137,7 @@ impl Client {
         (self.commands, self.test_crc32, self.last_sample) = (false, None, None);
         (self.known, self.meant) = (None, None);
         self.unasked = stream::Unasked::default();
-        let info = self.info()?;
-        (self.version, self.record_capacity) = (info.version, info.record_capacity);
+        self.record_capacity = self.info()?.record_capacity;
         Ok(())
     }
 }

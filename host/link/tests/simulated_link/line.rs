@@ -4,9 +4,9 @@ use std::collections::VecDeque;
 use std::time::Duration;
 
 use pneudrive_link::port::BAUD;
-use pneudrive_protocol::{MAX_FRAME, decode_request, encode};
+use pneudrive_protocol::{MAX_FRAME, Reply, decode_request, encode};
 
-use super::{Older, Simulation};
+use super::{Other, Simulation};
 
 /// Time that a byte takes: start bit, eight bits, stop bit.
 pub fn byte_time(bytes: usize) -> Duration {
@@ -146,16 +146,18 @@ impl Line {
     }
 }
 
-/// A byte comes to a rig with an older firmware.
-pub fn hear_as(older: Older, byte: u8, rig: &mut Simulation, replies: &mut Vec<u8>) {
+/// A byte comes to a rig with another firmware.
+pub fn hear_as(other: Other, byte: u8, rig: &mut Simulation, replies: &mut Vec<u8>) {
     let Some(Ok(message)) = rig.accumulator.push(byte) else { return };
     let message = message.to_vec();
-    match older(&message) {
-        Some(reply) => replies.extend(reply),
+    let request = decode_request(&message).expect("a request");
+    match other(&request) {
+        Some(body) => {
+            let reply = Reply { sequence: request.sequence, body };
+            replies.extend(encode(&reply, &mut [0; MAX_FRAME]).expect("fits"));
+        }
         None => {
             let mut frame = [0; MAX_FRAME];
-            // An older firmware knows nothing of sessions.
-            let request = decode_request(&message).expect("a request");
             let frame = encode(&request, &mut frame).expect("it came in one");
             let Ok(()) = rig.server.receive(frame, &mut rig.control, &mut rig.board, replies);
         }

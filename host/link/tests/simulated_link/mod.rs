@@ -14,7 +14,7 @@ use pneudrive_app::{Board, Control, Recorder, Server};
 use pneudrive_controller::{Command, Config, Observation, Sample};
 use pneudrive_link::client::Client;
 use pneudrive_link::port::{Link, READ_WAIT};
-use pneudrive_protocol::{Accumulator, MAX_FRAME, RecordedSample, Request, decode_request, encode};
+use pneudrive_protocol::{Accumulator, RecordedSample, ReplyBody, Request, decode_request};
 
 use line::Line;
 pub use line::{Faults, Random};
@@ -58,8 +58,8 @@ impl Board for CreepingBoard {
     }
 }
 
-/// What a firmware of an older version makes of a message: its reply, or None where it does as the newest.
-pub type Older = fn(&[u8]) -> Option<Vec<u8>>;
+/// What another firmware makes of a request: its reply, or None where it does as this one.
+pub type Other = fn(&Request<'_>) -> Option<ReplyBody<'static>>;
 
 /// The rig, and the line to it.
 pub struct Simulation {
@@ -68,8 +68,8 @@ pub struct Simulation {
     pub board: CreepingBoard,
     /// When the next sample is due, on a rig that takes some.
     next_sample: Option<Duration>,
-    older: Option<Older>,
-    /// What an older firmware hears with.
+    other: Option<Other>,
+    /// What another firmware hears with.
     accumulator: Accumulator,
     now: Duration,
     /// The rig starts up until then, and hears nothing.
@@ -156,7 +156,7 @@ impl SimulatedRig {
             server: Server::default(),
             board: CreepingBoard::default(),
             next_sample: None,
-            older: None,
+            other: None,
             accumulator: Accumulator::new(),
             now: Duration::ZERO,
             deaf_until: Duration::ZERO,
@@ -182,9 +182,9 @@ impl SimulatedRig {
         self
     }
 
-    /// Gives the rig an older firmware.
-    pub fn with_firmware(self, older: Older) -> SimulatedRig {
-        self.change(|simulation| simulation.older = Some(older));
+    /// Gives the rig another firmware.
+    pub fn with_firmware(self, other: Other) -> SimulatedRig {
+        self.change(|simulation| simulation.other = Some(other));
         self
     }
 
@@ -260,18 +260,6 @@ impl Simulation {
         self.next_sample = Some(self.now);
     }
 
-    /// The message that answers a request, past the line.
-    pub fn answer(&mut self, request: &Request<'_>) -> Vec<u8> {
-        let mut frame = [0; MAX_FRAME];
-        let frame = encode(request, &mut frame).expect("fits");
-        let mut replies = Vec::new();
-        let Ok(()) = self.server.receive(frame, &mut self.control, &mut self.board, &mut replies);
-        let mut accumulator: Accumulator = Accumulator::new();
-        let answer =
-            replies.iter().find_map(|&byte| accumulator.push(byte).map(|m| m.expect("whole").to_vec()));
-        answer.expect("an answer")
-    }
-
     /// Time goes on, and the samples that are due are taken.
     fn pass(&mut self, to: Duration) {
         while let Some(at) = self.next_sample.filter(|&at| at <= to) {
@@ -325,12 +313,12 @@ impl Simulation {
         self.server.attend(&mut self.control);
         let mut replies = Vec::new();
         for &byte in bytes {
-            match self.older {
+            match self.other {
                 None => {
                     let Ok(()) =
                         self.server.receive(&[byte], &mut self.control, &mut self.board, &mut replies);
                 }
-                Some(older) => line::hear_as(older, byte, self, &mut replies),
+                Some(other) => line::hear_as(other, byte, self, &mut replies),
             }
             // Each reply is a frame of its own on the line.
             if !replies.is_empty() {

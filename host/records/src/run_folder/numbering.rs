@@ -1,7 +1,6 @@
 //! The number and the date of a run, and whether it may replace another (thesis I.1 (a) to (c)).
 //!
-//! The runs of a folder are counted: a run has the number after that of the run that it replaces. Runs of older versions
-//! have none and count as 0. The date is that of the clock, or of `SOURCE_DATE_EPOCH` (seconds since 1970), with which a
+//! The runs of a folder are counted: a run has the number after that of the run that it replaces. The date is that of the clock, or of `SOURCE_DATE_EPOCH` (seconds since 1970), with which a
 //! run can be written again byte for byte.
 
 use std::fmt;
@@ -54,7 +53,7 @@ impl Numbered {
         Ok(Numbered { run: before.saturating_add(1), date: date(std::env::var(EPOCH).ok())? })
     }
 
-    /// From the description of a run; None for a run of an older version.
+    /// From the description of a run; None if it lacks them.
     pub(super) fn of(description: &serde_json::Value) -> Option<Numbered> {
         Some(Numbered { run: description["run"].as_u64()?, date: description["date"].as_str()?.to_owned() })
     }

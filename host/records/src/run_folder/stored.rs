@@ -30,7 +30,7 @@ const MORE_THAN_0: &str = "it must be a number above 0";
 pub struct StoredRun {
     /// The name of the rig.
     pub rig: String,
-    /// Its number in its folder, and its date; None for a run of an older version, or one that is not written.
+    /// Its number in its folder, and its date; None for one that is not written.
     pub numbered: Option<Numbered>,
     /// mm of stroke per encoder count.
     pub mm_per_count: f64,
@@ -48,8 +48,6 @@ pub struct StoredRun {
     pub extras: Vec<&'static Extra>,
     /// What holds its load; None if this program no longer accepts the values of its rig.
     pub holding: Option<Holding>,
-    /// Whether a checksum confirms its trace; runs of older versions have none.
-    pub has_checksum: bool,
     columns: Vec<Vec<f64>>,
 }
 
@@ -73,7 +71,6 @@ impl StoredRun {
             spacing: None,
             accuracy: None,
             holding: Some(Holding::of(rig)),
-            has_checksum: true,
             extras: Vec::new(),
             columns,
         }
@@ -143,7 +140,6 @@ impl StoredRun {
             spacing: spacing_of(description),
             accuracy: accuracy_of(description),
             holding: rig_in(&json_path, description).ok().map(|rig| Holding::of(&rig)),
-            has_checksum: !description[CHECKSUMS][TRACE].is_null(),
             extras,
             columns,
         })
@@ -235,20 +231,16 @@ fn read_band(folder: &Path, description: &serde_json::Value, time_s: &[f64]) -> 
     Ok(Some(band))
 }
 
-/// Checks that a trace has all rows of its run; older versions did not store their number.
+/// Checks that a trace has all rows of its run.
 fn check_rows(folder: &Path, description: &serde_json::Value, rows: usize) -> Result<()> {
     if rows == 0 {
         bail!("{} has no samples", folder.display());
     }
-    match description["rows"].as_u64() {
-        Some(told) if told != rows as u64 => {
-            bail!(
-                "{} has {rows} of the {told} rows of its run: it is truncated",
-                folder.join(TRACE).display()
-            )
-        }
-        _ => Ok(()),
+    let told = &description["rows"];
+    if *told != rows {
+        bail!("{} has {rows} of the {told} rows of its run: it is truncated", folder.join(TRACE).display());
     }
+    Ok(())
 }
 
 /// mm per count: the key, but of a potentiometer, which has none, what was made of its range and converter.
@@ -275,15 +267,15 @@ fn of_key<T>(
     value.as_f64().and_then(read).ok_or_else(wrong)
 }
 
-/// Checks that a file has the checksum in run.json; older versions stored none.
+/// Checks that a file has the checksum in run.json.
 fn check(folder: &Path, description: &serde_json::Value, name: &str, text: &str) -> Result<()> {
-    match description[CHECKSUMS][name].as_str() {
-        Some(told) if told != checksum(text) => bail!(
+    if description[CHECKSUMS][name] != checksum(text) {
+        bail!(
             "{} does not belong to run.json: it was changed or damaged, or is from another run",
             folder.join(name).display()
-        ),
-        _ => Ok(()),
+        );
     }
+    Ok(())
 }
 
 /// The optional columns in the header of a trace.

@@ -6,39 +6,10 @@ use std::path::Path;
 use anyhow::{Context, Result, anyhow, bail};
 use pneudrive_tables::text::utf8;
 
-use super::{CRC, FORMAT, FORMAT_1, TargetFile};
-use crate::record_text::{COLUMNS, crc_text, data_lines, header_text, sample_of};
+use super::{CRC, FORMAT, TargetFile};
+use crate::record_text::{COLUMNS, crc_text, header_text, sample_of};
 use crate::stream_file;
 use crate::text_file::as_written;
-
-/// The part of a file that its checksums cover.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Covered {
-    /// All of it.
-    Whole,
-    /// The header of a stream that was interrupted.
-    Header,
-    /// The samples of a TARGET file of format 1.
-    Samples,
-    /// Nothing of a stream of format 1.
-    Nothing,
-}
-
-impl Covered {
-    /// A note on the part that is not covered.
-    fn note(self) -> Option<&'static str> {
-        match self {
-            Covered::Whole => None,
-            Covered::Header => Some("its stream was interrupted, so no checksum protects its samples"),
-            Covered::Samples => Some(
-                "it is of format 1, whose CRC covers only the samples: changed scales or parameters in its header cannot be detected",
-            ),
-            Covered::Nothing => {
-                Some("it is a stream of format 1, which has no CRC: changes cannot be detected")
-            }
-        }
-    }
-}
 
 impl TargetFile {
     /// Parses a file's text.
@@ -49,7 +20,7 @@ impl TargetFile {
         Ok(TargetFile::read_text(text)?.0)
     }
 
-    /// Reads a file. A note on a part that its CRC does not cover goes to the log.
+    /// Reads a file. A note on a stream that was interrupted goes to the log.
     ///
     /// # Errors
     /// With the file and the line of the problem.
@@ -57,55 +28,49 @@ impl TargetFile {
         let bytes = fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
         let text = utf8(&bytes)
             .with_context(|| format!("{} is neither a TARGET file nor a run folder", path.display()))?;
-        let (file, covered) = TargetFile::read_text(&text).with_context(|| path.display().to_string())?;
-        if let Some(note) = covered.note() {
-            log::info!("{}: {note}", path.display());
+        let (file, is_whole) = TargetFile::read_text(&text).with_context(|| path.display().to_string())?;
+        if !is_whole {
+            log::info!("{}: its stream was interrupted, so no checksum protects its samples", path.display());
         }
         Ok(file)
     }
 
-    /// The file of a text, and the part of it that a CRC covers.
-    pub(crate) fn read_text(text: &str) -> Result<(TargetFile, Covered)> {
+    /// The file of a text, and whether a CRC covers all of it: of a stream that was interrupted it covers the header.
+    fn read_text(text: &str) -> Result<(TargetFile, bool)> {
         let text = &as_written(text);
         let mut lines = text.lines().enumerate();
         let mut file = TargetFile { header: header(&mut lines)?, samples: Vec::new() };
         let ends_with_a_line = text.ends_with('\n');
-        let covered = match file.get("format") {
-            Some(FORMAT | FORMAT_1) => {
+        let is_whole = match file.get("format") {
+            Some(FORMAT) => {
                 file.samples = lines.map(|(number, line)| sample_of(number, line)).collect::<Result<_>>()?;
-                file.check_crc()?
+                file.check_crc()?;
+                true
             }
             Some(stream_file::FORMAT) => {
                 file.check_header_crc()?;
-                let (samples, whole) = stream_file::samples(lines, ends_with_a_line)?;
+                let (samples, is_whole) = stream_file::samples(lines, ends_with_a_line)?;
                 file.samples = samples;
-                if whole { Covered::Whole } else { Covered::Header }
-            }
-            Some(stream_file::FORMAT_1) => {
-                file.samples = stream_file::samples(lines, ends_with_a_line)?.0;
-                Covered::Nothing
+                is_whole
             }
             Some(other) => {
                 let (target, stream) = (FORMAT, stream_file::FORMAT);
-                bail!("its format is {other:?}; this program reads {target:?}, {stream:?} and earlier ones")
+                bail!(
+                    "its format is {other:?}; this program reads {target:?} and {stream:?}: use a later version of it"
+                )
             }
             None => bail!("it is not a TARGET file: its header has no `# format = {FORMAT}`"),
         };
-        Ok((file, covered))
+        Ok((file, is_whole))
     }
 
-    fn check_crc(&self) -> Result<Covered> {
+    fn check_crc(&self) -> Result<()> {
         let stated = self.get(CRC).ok_or_else(|| anyhow!("the header has no {CRC}"))?;
-        let (text, covered) = match self.get("format") {
-            Some(FORMAT_1) => (data_lines(&self.samples), Covered::Samples),
-            _ => (self.without(CRC).to_text(), Covered::Whole),
-        };
-        let actual = crc_text(&text);
+        let actual = crc_text(&self.without(CRC).to_text());
         if stated != actual {
-            let what = if covered == Covered::Whole { "it is" } else { "its data are" };
-            bail!("{what} damaged, truncated or changed: the CRC is {actual}, the header says {stated}");
+            bail!("it is damaged, truncated or changed: the CRC is {actual}, the header says {stated}");
         }
-        Ok(covered)
+        Ok(())
     }
 
     fn check_header_crc(&self) -> Result<()> {

@@ -1,6 +1,5 @@
 //! What a TARGET file holds, and what is noticed of it.
 
-use super::reading::Covered;
 use super::*;
 use crate::record::RecordHead;
 
@@ -45,7 +44,7 @@ fn file() -> TargetFile {
 fn the_text_is_the_fixed_format() {
     let text = file().to_text();
     let expected_start = "\
-# format = pneudrive-target 2
+# format = pneudrive-target 1
 # test = servo-b
 # firmware = pneudrive 0.1.0
 # build = test
@@ -64,7 +63,7 @@ fn the_text_is_the_fixed_format() {
     assert!(text.starts_with(expected_start), "{text}");
     let expected_end = "\
 # param.gain_profile = 8192,6144,4096,2048,1280,768,512,384,320,288,256
-# crc32 = e884b4fc
+# crc32 = 66ff9734
 index,position_counts,pressure_1_raw,pressure_2_raw,dac_counts,error_counts,spool_raw
 -3,8192,1332,1638,-3,5,2047
 -1,8193,1332,1638,-3,5,2047
@@ -92,30 +91,6 @@ fn every_cut_and_every_changed_digit_is_noticed() {
     }
 }
 
-/// A file of format 1, as it was written before the CRC covered the header.
-fn old_file() -> TargetFile {
-    let mut old = file();
-    let crc32 = crc_text(&data_lines(&old.samples));
-    for (key, value) in &mut old.header {
-        match key.as_str() {
-            "format" => *value = FORMAT_1.to_owned(),
-            "crc32" => *value = crc32.clone(),
-            _ => {}
-        }
-    }
-    old
-}
-
-#[test]
-fn a_file_tells_what_its_crc_covers() {
-    let covered = |text: &str| TargetFile::read_text(text).expect("whole").1;
-    assert_eq!(covered(&file().to_text()), Covered::Whole);
-    assert_eq!(covered(&old_file().to_text()), Covered::Samples);
-    let text = old_file().to_text().replace("# mm_per_count = 0.01205", "# mm_per_count = 0.0241");
-    assert_eq!(covered(&text), Covered::Samples, "an old header can be changed unseen: that is what is said");
-}
-
-/// Once the CRC covered the samples alone, and another scale made another motion of them.
 #[test]
 fn another_scale_or_parameter_in_the_header_is_noticed() {
     for (was, is) in [
@@ -132,12 +107,10 @@ fn another_scale_or_parameter_in_the_header_is_noticed() {
 }
 
 #[test]
-fn a_key_that_is_given_twice_is_refused_by_its_lines_in_files_of_every_format() {
-    for text in [file().to_text(), old_file().to_text()] {
-        let twice = text.replacen("# mean_spool_raw", "# mm_per_count = 9\n# mean_spool_raw", 1);
-        let error = TargetFile::from_text(&twice).expect_err("twice").to_string();
-        assert!(error.contains("line 14: mm_per_count is already set in line 9"), "{error}");
-    }
+fn a_key_that_is_given_twice_is_refused_by_its_lines() {
+    let twice = file().to_text().replacen("# mean_spool_raw", "# mm_per_count = 9\n# mean_spool_raw", 1);
+    let error = TargetFile::from_text(&twice).expect_err("twice").to_string();
+    assert!(error.contains("line 14: mm_per_count is already set in line 9"), "{error}");
 }
 
 #[test]
@@ -162,7 +135,7 @@ fn foreign_files_are_refused_by_what_they_are() {
     let error = |text: &str| format!("{:#}", TargetFile::from_text(text).expect_err("foreign"));
     assert!(error("").contains("ends before its data"));
     assert!(error("time_s,position_m\n0,1\n").contains("line 1"));
-    let later = file().to_text().replace("pneudrive-target 2", "pneudrive-target 9");
+    let later = file().to_text().replace("pneudrive-target 1", "pneudrive-target 9");
     assert!(error(&later).contains("pneudrive-target 9"));
 }
 

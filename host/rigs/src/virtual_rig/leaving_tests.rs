@@ -18,7 +18,7 @@ fn a_host_that_has_gone_owns_nothing_whether_reading_or_writing_finds_that_out()
         let mut rig = VirtualRig::new(rig.expect("valid"), 0, pace).expect("a rig");
         let line = Line::default();
         let mut callers = vec![Caller::new(line.clone(), None)];
-        line.ask(1, RequestBody::ArmAs { host: "one" });
+        line.ask(1, RequestBody::Arm { host: "one" });
         rig.hear(&mut callers);
         assert_eq!(rig.control.presence(&rig.board), Presence::There);
         if writing {

@@ -16,7 +16,7 @@ fn a_host_whose_request_waited_while_the_computer_was_busy_was_not_silent() {
     let mut rig = VirtualRig::new(rig, 0, Pace { fast: false, live: false }).expect("a rig");
     let line = Line::default();
     let mut callers = vec![Caller::new(line.clone(), None)];
-    line.ask(1, RequestBody::ArmAs { host: "one" });
+    line.ask(1, RequestBody::Arm { host: "one" });
     line.ask(2, RequestBody::Home);
     rig.hear(&mut callers);
     rig.catch_up(&mut callers).expect("it is simulated");

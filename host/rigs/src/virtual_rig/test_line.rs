@@ -5,7 +5,7 @@ use std::io::{self, Read, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 
-use pneudrive_protocol::{InSession, MAX_FRAME, Request, RequestBody, encode};
+use pneudrive_protocol::{MAX_FRAME, Request, RequestBody, encode};
 
 /// The rig's end of a line; a program writes into it, and breaks its way back or the whole of it.
 #[derive(Clone, Default)]
@@ -16,10 +16,11 @@ pub struct Line {
 }
 
 impl Line {
+    /// A request to a rig in its first boot.
     pub fn ask(&self, sequence: u16, body: RequestBody<'_>) {
         let mut frame = [0; MAX_FRAME];
-        let asked = InSession { request: Request { sequence, body }, session: 7 };
-        self.asked.lock().expect("one thread").extend(encode(&asked, &mut frame).expect("fits"));
+        let request = Request { sequence, session: 1007, boot: 1, body };
+        self.asked.lock().expect("one thread").extend(encode(&request, &mut frame).expect("fits"));
     }
 }
 

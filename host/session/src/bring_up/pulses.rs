@@ -214,7 +214,7 @@ impl BringUp<'_> {
                     return Ok(Err(Surprise::TooFar));
                 }
                 Mode::Running => std::thread::sleep(LOOK),
-                Mode::Disarmed | Mode::Armed => {
+                Mode::Disarmed | Mode::Armed | Mode::Homing => {
                     bail!("the pulse ended early; the rig was reset, or another program disarmed it")
                 }
             }

@@ -68,8 +68,6 @@ impl BringUp<'_> {
         let was_let = check(pulses::NAME).is_some_and(|check| check.verdict != Verdict::NotChecked);
         Ok(if is_ungated || !was_let {
             Some("a reset may move the cylinder: what is open or wrong above comes first".to_owned())
-        } else if !self.client.speaks(9) {
-            Some("its firmware is too old: it needs version 9 of the protocol".to_owned())
         } else if !self.client.names_its_boot() {
             Some("the board cannot tell one boot from the next: its flash has failed".to_owned())
         } else {

@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use pneudrive_link::client::Client;
-use pneudrive_protocol::{Mode, Status};
+use pneudrive_protocol::Status;
 use pneudrive_session::bring_up::{self, Check, Operator, Options, Report};
 use serde_json::{Value, json};
 
@@ -123,7 +123,7 @@ impl Operator for Hand<'_, '_> {
     }
 
     fn sees(&mut self, status: &Status) {
-        self.orders.mind(status.mode == Mode::Running);
+        self.orders.mind(status.mode.moves());
         self.teller.look(status, true);
     }
 }

@@ -80,7 +80,7 @@ impl<'a> Pilot<'a> {
     fn read_scales(&mut self) -> Result<()> {
         let parameters = self.client.parameters()?;
         self.teller.units = Units::of(&parameters);
-        self.teller.seen().stream_hz = self.client.speaks(3).then(|| Live::rate_hz(&parameters));
+        self.teller.seen().stream_hz = Some(Live::rate_hz(&parameters));
         Ok(())
     }
 
@@ -93,7 +93,7 @@ impl<'a> Pilot<'a> {
             }
             self.watch_page()?;
             let status = self.look()?;
-            self.stream(status.mode == Mode::Running);
+            self.stream(status.mode.moves());
             self.go_on(&status);
         }
     }
@@ -103,7 +103,7 @@ impl<'a> Pilot<'a> {
         if !is_enabled(status.mode) {
             (self.is_ours, self.jog) = (false, None);
         }
-        self.orders.mind(status.mode == Mode::Running);
+        self.orders.mind(status.mode.moves());
         self.teller.look(&status, self.live.is_none());
         Ok(status)
     }

@@ -70,7 +70,7 @@ impl Seen {
         self.fault = if is_fault { fault() } else { String::new() };
         self.is_enabled = is_enabled;
         self.referenced = status.referenced;
-        self.run_s = units.seconds(status.index).filter(|_| status.mode == Mode::Running);
+        self.run_s = units.seconds(status.index).filter(|_| status.mode.moves());
         if has_sampled(status, units) {
             self.take_figures(status, units);
         }
@@ -169,13 +169,14 @@ fn has_sampled(status: &Status, units: &Units) -> bool {
 /// Whether a drive in a mode may be moved by its valve.
 #[must_use]
 pub fn is_enabled(mode: Mode) -> bool {
-    matches!(mode, Mode::Armed | Mode::Running | Mode::Done)
+    mode.moves() || matches!(mode, Mode::Armed | Mode::Done)
 }
 
 fn mode_name(mode: Mode) -> &'static str {
     match mode {
         Mode::Disarmed => "disarmed",
         Mode::Armed => "armed",
+        Mode::Homing => "homing",
         Mode::Running => "running",
         Mode::Done => "holding",
         Mode::Fault => "fault",

@@ -20,11 +20,9 @@ pub const LIES: &[Told] = &[
             let ReplyBody::Info { firmware, build, board, record_capacity, .. } = reply.body else {
                 return Says::Truth;
             };
-            let (min_version, version) = (99, 99);
-            let other = ReplyBody::Info { min_version, version, firmware, build, board, record_capacity };
-            instead(reply, other)
+            instead(reply, ReplyBody::Info { version: 99, firmware, build, board, record_capacity })
         },
-        &[(STATUS, "update the older of the two")],
+        &[(STATUS, "use a later version of this program")],
     ),
     told("silence from the beginning", |_, _, _| Says::Nothing, &[(STATUS, NO_ANSWER), (MONITOR, NO_ANSWER)]),
     told("a line that is cut at once", |_, _, _| Says::HangUp, &[(STATUS, "broke"), (RUN, "broke")]),
@@ -79,7 +77,7 @@ pub const LIES: &[Told] = &[
                 let owner = Owner { presence: Presence::There, session: 9, silent_ms: u32::MAX, host: EVIL };
                 instead(reply, ReplyBody::Owner(owner))
             }
-            RequestBody::ArmAs { .. } => {
+            RequestBody::Arm { .. } => {
                 let owner = Owner { presence: Presence::There, session: 9, silent_ms: 1, host: EVIL };
                 refused(reply, Refused::Owned(owner))
             }

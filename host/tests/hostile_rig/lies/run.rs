@@ -38,8 +38,8 @@ pub const LIES: &[Told] = &[
         },
         &[(RUN, "! error: ")],
     ),
-    told("silence at the arming", silent_at!(RequestBody::ArmAs { .. }), &[(RUN, NO_ANSWER)]),
-    told("silence at the start", silent_at!(RequestBody::StartTest { .. }), &[(RUN, NO_ANSWER)]),
+    told("silence at the arming", silent_at!(RequestBody::Arm { .. }), &[(RUN, NO_ANSWER)]),
+    told("silence at the start", silent_at!(RequestBody::Start { .. }), &[(RUN, NO_ANSWER)]),
     told(
         "silence about the parameters",
         silent_at!(RequestBody::ConfigGet { .. }),
@@ -48,7 +48,7 @@ pub const LIES: &[Told] = &[
     told("silence about the record", silent_at!(RequestBody::RecordInfo), &[(RECORD, NO_ANSWER)]),
     told(
         "silence about its samples",
-        silent_at!(RequestBody::RecordChunk { .. }),
+        silent_at!(RequestBody::RecordRead { .. }),
         &[(RECORD, "no answer from")],
     ),
     told("silence about a change", silent_at!(RequestBody::ChangePart { .. }), &[(RUN, NO_ANSWER)]),
@@ -70,10 +70,7 @@ pub const LIES: &[Told] = &[
         "a homing run without end",
         |_, request, reply| match (request, reply.body) {
             (RequestBody::Home, _) => instead(reply, ReplyBody::Done),
-            (_, ReplyBody::Motion(motion)) => {
-                instead(reply, ReplyBody::Motion(Motion { homing: true, ..motion }))
-            }
-            (_, ReplyBody::Status(_)) => status(reply, |status| status.mode = Mode::Armed),
+            (_, ReplyBody::Status(_)) => status(reply, |status| status.mode = Mode::Homing),
             (_, ReplyBody::Config { .. }) => config(reply, |id, value| if id == 50 { 100 } else { value }),
             _ => Says::Truth,
         },

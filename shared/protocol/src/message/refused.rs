@@ -41,39 +41,37 @@ pub enum Refused<'a> {
     },
     /// This firmware does not know the request.
     Unknown,
-    /// Version 2. The board's flash could not be written.
+    /// The board's flash could not be written.
     NotStored,
-    /// Version 3. The record is not the one that was named.
+    /// The record is not the one that was named.
     OtherRecord,
-    /// Version 5. Another host commands the drive, or has armed it and gone.
+    /// Another host commands the drive, or has armed it and gone.
     Owned(#[serde(borrow)] Owner<'a>),
-    /// Version 5. A part of the change is missing: begin it anew.
+    /// A part of the change is missing: begin it anew.
     ChangeNotWhole,
-    /// Version 5. Test or parameters are not those that the start has named.
+    /// Test or parameters are not those that the start has named.
     OtherTest,
-    /// Version 6. The request was meant for another [boot](crate::boot): the drive has been reset since.
+    /// The request was meant for another [boot](crate::session): the drive has been reset since.
     OtherBoot {
         /// The number of this one.
         number: u32,
     },
 }
 
-/// Codes of [`Refused::NotNow`] that are not the controller's, which stay below 128. A host of any version can read
-/// the answer.
+/// Codes of [`Refused::NotNow`] that are not the controller's, which stay below 128.
 pub mod code {
-    /// To a host of version 4 or older: what [`Refused::Owned`](super::Refused::Owned) says to others.
+    /// Another host commands the drive: why the digital inputs have begun nothing. A host is told by
+    /// [`Refused::Owned`](super::Refused::Owned).
     pub const OWNED: u8 = 128;
-    /// The test that a host of version 4 or older asks to start, or to add a move to, was stated by another host.
-    pub const OTHER_TEST: u8 = 129;
     /// The rig asks for a [token](crate::RequestBody::Token) before anything else.
-    pub const TOKEN: u8 = 130;
-    /// Version 6. Since the owner has armed the drive or taken it over, it was silent for too long to move it: it does
-    /// so again before.
-    pub const HOST_WAS_SILENT: u8 = 131;
-    /// Version 8. The inputs of this board are pins.
-    pub const INPUTS_ARE_PINS: u8 = 132;
-    /// Version 9. This board has no watchdog.
-    pub const NO_WATCHDOG: u8 = 133;
-    /// Version 9. The drive is in a fault, which arming leaves.
-    pub const IN_FAULT: u8 = 134;
+    pub const TOKEN: u8 = 129;
+    /// Since the owner has armed the drive or taken it over, it was silent for too long to move it: it does so again
+    /// before.
+    pub const HOST_WAS_SILENT: u8 = 130;
+    /// The inputs of this board are pins.
+    pub const INPUTS_ARE_PINS: u8 = 131;
+    /// This board has no watchdog.
+    pub const NO_WATCHDOG: u8 = 132;
+    /// The drive is in a fault, which arming leaves.
+    pub const IN_FAULT: u8 = 133;
 }

@@ -21,9 +21,7 @@ pub struct Reply<'a> {
 pub enum ReplyBody<'a> {
     /// Who is speaking. Never changes, whatever the version.
     Info {
-        /// The oldest version the firmware speaks.
-        min_version: u16,
-        /// The newest version the firmware speaks.
+        /// [`VERSION`](crate::VERSION) of the firmware.
         version: u16,
         /// Version of the firmware.
         firmware: &'a str,
@@ -58,11 +56,11 @@ pub enum ReplyBody<'a> {
     },
     /// The request was not carried out, and nothing was changed.
     Refused(#[serde(borrow)] Refused<'a>),
-    /// Version 2. How the moves stand.
+    /// How the moves stand.
     Motion(Motion),
-    /// Version 2. Where the parameters come from.
+    /// Where the parameters come from.
     ConfigState(ConfigState),
-    /// Version 2. Events of the fault log.
+    /// Events of the fault log.
     Events {
         /// Events in the log.
         total: u8,
@@ -71,14 +69,14 @@ pub enum ReplyBody<'a> {
         /// [`Event::BYTES`](crate::Event::BYTES) each, newest first.
         events: &'a [u8],
     },
-    /// Version 2. How even the samples are, by the board's clock, since its clock was last restarted.
+    /// How even the samples are, by the board's clock, since its clock was last restarted.
     Timing {
         /// From a sample to the next.
         interval: Spread,
         /// From a sample to its output.
         latency: Spread,
     },
-    /// Version 3. Rows of the stream. Asked for again: those from the first one on that are still held, or
+    /// Rows of the stream. Asked for again: those from the first one on that are still held, or
     /// none.
     Rows {
         /// Number of the first one; a row before it that has not come is lost.
@@ -86,14 +84,14 @@ pub enum ReplyBody<'a> {
         /// [`StreamedSample::BYTES`](crate::StreamedSample::BYTES) each.
         rows: &'a [u8],
     },
-    /// Version 5. Who commands the drive.
+    /// Who commands the drive.
     Owner(#[serde(borrow)] Owner<'a>),
-    /// Version 6. Which boot of the drive this is.
+    /// Which boot of the drive this is.
     Boot {
-        /// Another one for each boot; [`ANY_BOOT`](crate::ANY_BOOT): the board cannot tell its boots apart.
+        /// Another one for each boot; [`NO_BOOT`](crate::session::NO_BOOT): the board cannot tell its boots apart.
         number: u32,
     },
-    /// Version 7. The test, and moves of it.
+    /// The test, and moves of it.
     Test {
         /// Number of its last sample.
         last_sample: u32,
@@ -106,7 +104,7 @@ pub enum ReplyBody<'a> {
         /// [`ProfiledMove::BYTES`](crate::ProfiledMove::BYTES) each.
         moves: &'a [u8],
     },
-    /// Version 8. Move records of consecutive numbers.
+    /// Move records of consecutive numbers.
     MoveRecords {
         /// Number of the first one.
         first: u8,
@@ -114,7 +112,7 @@ pub enum ReplyBody<'a> {
         /// has them; kind [`NO_MOVE`](crate::profiled::NO_MOVE): there is none of this number.
         records: &'a [u8],
     },
-    /// Version 8. The digital inputs and outputs, and what the inputs have begun.
+    /// The digital inputs and outputs, and what the inputs have begun.
     Io {
         /// As they are read, as [`input`](crate::io::input) has their bits.
         inputs: u8,

@@ -7,8 +7,12 @@ use crate::Values;
 /// What the PC wants, under a number that the reply repeats.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Request<'a> {
-    /// Chosen by the PC; tells replies apart after a loss.
+    /// Chosen by the PC; the numbers of a session grow, and wrap.
     pub sequence: u16,
+    /// The [session](crate::session) of the host.
+    pub session: u32,
+    /// The [boot](crate::session) of the drive that it is meant for.
+    pub boot: u32,
     /// What is wanted.
     #[serde(borrow)]
     pub body: RequestBody<'a>,
@@ -36,12 +40,18 @@ pub enum RequestBody<'a> {
         #[serde(borrow)]
         values: Values<'a>,
     },
-    /// Enables the drive, valve at null; the only way out of a fault.
-    Arm,
+    /// Enables the drive, valve at null; the only way out of a fault. The session that asks owns the drive from now on.
+    Arm {
+        /// What the host calls itself, up to [`HOST_BYTES`](crate::session::HOST_BYTES).
+        host: &'a str,
+    },
     /// Disables the drive.
     Disarm,
-    /// Runs the moves from k = 0 at the next sample.
-    Start,
+    /// Runs the moves from k = 0 at the next sample, if test and parameters are those that are named.
+    Start {
+        /// [`start_crc32`](crate::change::start_crc32) of both.
+        crc32: u32,
+    },
     /// Trips the drive.
     Stop,
     /// The axis stands at this position now.
@@ -49,54 +59,11 @@ pub enum RequestBody<'a> {
         /// Position, encoder counts.
         position_counts: i32,
     },
-    /// A new test: forgets the moves of the one before and how its record was taken.
-    TestBegin {
-        /// Name of the test, kept with the record.
-        name: &'a str,
-        /// Length of the run, microseconds.
-        duration_us: u32,
-        /// Every how manyth sample is stored; 1: all.
-        decimation: u16,
-        /// Stored samples before k = 0.
-        pre_trigger: u16,
-    },
-    /// Adds a move to the test; in order of time.
-    TestMove {
-        /// In force from the first sample not before it, microseconds after k = 0.
-        time_us: u32,
-        /// Setpoint (open loop: command), counts.
-        target: i32,
-    },
     /// What does the record hold? Answered by [`ReplyBody::RecordInfo`](super::ReplyBody::RecordInfo).
     RecordInfo,
-    /// Samples of the record. Answered by [`ReplyBody::Chunk`](super::ReplyBody::Chunk).
-    RecordRead {
-        /// Position in the record; 0 is the oldest stored sample.
-        first: u32,
-        /// How many, up to [`CHUNK_SAMPLES`](crate::CHUNK_SAMPLES).
-        count: u8,
-    },
-    /// Version 2. Homes the axis: moves it slowly to its stop or switch.
-    Home,
-    /// Version 2. How do the moves stand? Answered by [`ReplyBody::Motion`](super::ReplyBody::Motion).
-    Motion,
-    /// Version 2. Stores the parameters for the next reset.
-    ConfigSave,
-    /// Version 2. Where do the parameters come from? Answered by
-    /// [`ReplyBody::ConfigState`](super::ReplyBody::ConfigState).
-    ConfigState,
-    /// Version 2. The fault log. Answered by [`ReplyBody::Events`](super::ReplyBody::Events).
-    Events {
-        /// Position in the log; 0 is the newest event.
-        first: u8,
-        /// How many, up to [`MAX_EVENTS`](crate::MAX_EVENTS).
-        count: u8,
-    },
-    /// Version 2. How even are the samples? Answered by [`ReplyBody::Timing`](super::ReplyBody::Timing).
-    Timing,
-    /// Version 3. Samples of a record that is named by its CRC: never those of a later one. Answered by
+    /// Samples of a record that is named by its CRC: never those of a later one. Answered by
     /// [`ReplyBody::Chunk`](super::ReplyBody::Chunk).
-    RecordChunk {
+    RecordRead {
         /// CRC of the record, as [`RecordInfo`](super::RecordInfo) has it.
         crc32: u32,
         /// Position in the record; 0 is the oldest stored sample.
@@ -104,7 +71,25 @@ pub enum RequestBody<'a> {
         /// How many, up to [`CHUNK_SAMPLES`](crate::CHUNK_SAMPLES).
         count: u8,
     },
-    /// Version 3. Begins a stream of a run's samples, its rows numbered from 0 on, and ends the one before.
+    /// Homes the axis: moves it slowly to its stop or switch.
+    Home,
+    /// How do the moves stand? Answered by [`ReplyBody::Motion`](super::ReplyBody::Motion).
+    Motion,
+    /// Stores the parameters for the next reset.
+    ConfigSave,
+    /// Where do the parameters come from? Answered by
+    /// [`ReplyBody::ConfigState`](super::ReplyBody::ConfigState).
+    ConfigState,
+    /// The fault log. Answered by [`ReplyBody::Events`](super::ReplyBody::Events).
+    Events {
+        /// Position in the log; 0 is the newest event.
+        first: u8,
+        /// How many, up to [`MAX_EVENTS`](crate::MAX_EVENTS).
+        count: u8,
+    },
+    /// How even are the samples? Answered by [`ReplyBody::Timing`](super::ReplyBody::Timing).
+    Timing,
+    /// Begins a stream of a run's samples, its rows numbered from 0 on, and ends the one before.
     /// The rows come unasked, as [`ReplyBody::Rows`](super::ReplyBody::Rows) under the number of this
     /// request, as far as they are granted.
     StreamBegin {
@@ -113,41 +98,28 @@ pub enum RequestBody<'a> {
         /// How many rows come at once, up to [`MAX_ROWS`](crate::MAX_ROWS).
         batch: u8,
     },
-    /// Version 3. The rows before this one may come unasked: a host that has gone is not talked to for long.
+    /// The rows before this one may come unasked: a host that has gone is not talked to for long.
     StreamGrant {
         /// Number of the first row that may not.
         until: u32,
     },
-    /// Version 3. Rows of the stream again. Answered by [`ReplyBody::Rows`](super::ReplyBody::Rows).
+    /// Rows of the stream again. Answered by [`ReplyBody::Rows`](super::ReplyBody::Rows).
     StreamRead {
         /// Number of the first one.
         first: u32,
         /// How many, up to [`MAX_ROWS`](crate::MAX_ROWS).
         count: u8,
     },
-    /// Version 4. How long the test is, in samples, and whether its moves come again; in place of the length
-    /// that it began with.
-    TestSpan {
-        /// Number of the last sample, up to [`UNTIL_STOPPED`].
-        last_sample: u32,
-        /// The moves come again every so many samples; 0: they come once.
-        round: u32,
-    },
-    /// Version 5. Enables the drive as [`RequestBody::Arm`] does. The session that asks owns it from now on.
-    ArmAs {
-        /// What the host calls itself, up to [`HOST_BYTES`](crate::session::HOST_BYTES).
-        host: &'a str,
-    },
-    /// Version 5. The session that asks owns an enabled drive whose owner has gone. Nothing else is changed.
+    /// The session that asks owns an enabled drive whose owner has gone. Nothing else is changed.
     TakeOver {
         /// What the host calls itself, up to [`HOST_BYTES`](crate::session::HOST_BYTES).
         host: &'a str,
     },
-    /// Version 5. The owner goes and leaves the drive as it is: nobody need wait until its silence is noticed.
+    /// The owner goes and leaves the drive as it is: nobody need wait until its silence is noticed.
     Leave,
-    /// Version 5. Who commands the drive? Answered by [`ReplyBody::Owner`](super::ReplyBody::Owner).
+    /// Who commands the drive? Answered by [`ReplyBody::Owner`](super::ReplyBody::Owner).
     Owner,
-    /// Version 5. A part of a [change](crate::change). The first one begins it anew, others follow without a gap.
+    /// A part of a [change](crate::change). The first one begins it anew, others follow without a gap.
     ChangePart {
         /// CRC-32 of the whole change.
         crc32: u32,
@@ -156,46 +128,41 @@ pub enum RequestBody<'a> {
         /// The bytes, up to [`PART_BYTES`](crate::change::PART_BYTES).
         part: &'a [u8],
     },
-    /// Version 5. Takes the change whose parts have come: all of it or, if anything is refused, nothing.
+    /// Takes the change whose parts have come: all of it or, if anything is refused, nothing.
     ChangeTake {
         /// CRC-32 of the whole change.
         crc32: u32,
     },
-    /// Version 5. Runs the moves from k = 0 at the next sample, if test and parameters are those that are named.
-    StartTest {
-        /// [`start_crc32`](crate::change::start_crc32) of both.
-        crc32: u32,
-    },
-    /// Version 5. Lets a host in where a rig is reached over a network. Elsewhere it changes nothing.
+    /// Lets a host in where a rig is reached over a network. Elsewhere it changes nothing.
     Token {
         /// What host and rig both know.
         token: &'a str,
     },
-    /// Version 6. Which boot is this? Answered by [`ReplyBody::Boot`](super::ReplyBody::Boot).
+    /// Which boot is this? Answered by [`ReplyBody::Boot`](super::ReplyBody::Boot).
     Boot,
-    /// Version 6. Walks the spool of a stepper valve back to its null from where it was before a reset. The drive must
+    /// Walks the spool of a stepper valve back to its null from where it was before a reset. The drive must
     /// be disabled.
     SeekNull,
-    /// Version 6. The spool of a stepper valve is at its null. The drive must be disabled.
+    /// The spool of a stepper valve is at its null. The drive must be disabled.
     AtNull,
-    /// Version 7. The test as the rig has it. Answered by [`ReplyBody::Test`](super::ReplyBody::Test).
+    /// The test as the rig has it. Answered by [`ReplyBody::Test`](super::ReplyBody::Test).
     TestRead {
         /// Place of the first move.
         first: u8,
     },
-    /// Version 8. The table of move records. Answered by [`ReplyBody::MoveRecords`](super::ReplyBody::MoveRecords).
+    /// The table of move records. Answered by [`ReplyBody::MoveRecords`](super::ReplyBody::MoveRecords).
     MoveRecordsRead {
         /// Number of the first one, from 1 on.
         first: u8,
     },
-    /// Version 8. The digital inputs and outputs. Answered by [`ReplyBody::Io`](super::ReplyBody::Io).
+    /// The digital inputs and outputs. Answered by [`ReplyBody::Io`](super::ReplyBody::Io).
     Io,
-    /// Version 8. Sets the digital inputs of a rig that emulates them. Those of a board are pins.
+    /// Sets the digital inputs of a rig that emulates them. Those of a board are pins.
     IoSet {
         /// As [`input`](crate::io::input) has their bits.
         inputs: u8,
     },
-    /// Version 9. Feeds the watchdog no more, so that it must reset the board. The drive must be disarmed; it is in a fault
+    /// Feeds the watchdog no more, so that it must reset the board. The drive must be disarmed; it is in a fault
     /// until then, and arming it ends the trial.
     TryWatchdog,
 }
@@ -218,7 +185,6 @@ impl RequestBody<'_> {
                 | Body::ConfigState
                 | Body::Events { .. }
                 | Body::Timing
-                | Body::RecordChunk { .. }
                 | Body::StreamRead { .. }
                 | Body::StreamGrant { .. }
                 | Body::Owner

@@ -10,12 +10,22 @@ pub enum Mode {
     Disarmed,
     /// Drive enabled, valve at null.
     Armed,
+    /// The axis is on its way to its stop or switch.
+    Homing,
     /// The law drives the valve.
     Running,
     /// The moves are over.
     Done,
     /// Tripped: drive disabled, valve at null, until re-armed.
     Fault,
+}
+
+impl Mode {
+    /// Whether the axis is on its way.
+    #[must_use]
+    pub fn moves(self) -> bool {
+        matches!(self, Mode::Homing | Mode::Running)
+    }
 }
 
 /// The drive at the last sample.
@@ -71,8 +81,6 @@ pub struct Spread {
 /// How the moves of the run stand.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Motion {
-    /// Whether the drive is homing; [`Status`] says `Running` then.
-    pub homing: bool,
     /// The move in force: 0 none, 1 on its way, 2 arrived, 3 not reached.
     pub arrival: u8,
     /// Moves that have begun.
@@ -86,7 +94,7 @@ pub struct Motion {
 /// Where the parameters come from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ConfigState {
-    /// 0: never saved, 1: as stored, 2: stored by another version and taken over, 3: both stored sets
+    /// 0: never saved, 1: as stored, 2: stored by firmware with other parameters and taken over, 3: both stored sets
     /// are damaged.
     pub source: u8,
     /// How often they were saved.

@@ -39,7 +39,7 @@ impl Pilot<'_> {
             return Ok(None);
         }
         let status = self.look()?;
-        if status.mode == Mode::Running {
+        if status.mode.moves() {
             return Err(Failure::Refused.error("not run: the drive is moving; wait until it rests"));
         }
         let from_mm = self.place(&status)?;
@@ -70,7 +70,7 @@ impl Pilot<'_> {
 
     /// Runs the test to whose start the drive has come.
     pub(super) fn go_on(&mut self, status: &Status) {
-        if matches!(status.mode, Mode::Armed | Mode::Running) {
+        if status.mode == Mode::Armed || status.mode.moves() {
             return;
         }
         let Some(rig) = self.next.take() else { return };

@@ -1,13 +1,10 @@
-//! Requests of version 2 of the protocol: homing, the moves, stored configuration, fault log.
+//! Homing, the moves, stored configuration, fault log.
 
 use anyhow::Result;
-use pneudrive_controller::Refusal;
-use pneudrive_protocol::{
-    ConfigState, Event, MAX_EVENTS, Mode, Motion, Refused, ReplyBody, RequestBody, Spread,
-};
+use pneudrive_protocol::{ConfigState, Event, MAX_EVENTS, Motion, ReplyBody, RequestBody, Spread};
 
 use super::Client;
-use super::answer::{refusal, unexpected};
+use super::answer::unexpected;
 
 impl Client {
     /// Homes the axis; [`Client::motion`] shows when it is done.
@@ -15,12 +12,6 @@ impl Client {
     /// # Errors
     /// When it is refused or not answered.
     pub fn home(&mut self) -> Result<()> {
-        self.needs_version(2, "homing")?;
-        // Older firmware would trip.
-        if self.status()?.mode == Mode::Disarmed {
-            let not_armed = Refused::NotNow(Refusal::NotArmed.code());
-            return Err(refusal(&self.name, &not_armed));
-        }
         self.take_over()?;
         self.ask_done(RequestBody::Home)
     }
@@ -30,7 +21,6 @@ impl Client {
     /// # Errors
     /// When the rig does not answer.
     pub fn motion(&mut self) -> Result<Motion> {
-        self.needs_version(2, "the state of moves")?;
         self.ask(RequestBody::Motion, |reply| match reply {
             ReplyBody::Motion(motion) => Ok(*motion),
             other => Err(unexpected(other)),
@@ -42,7 +32,6 @@ impl Client {
     /// # Errors
     /// When it is refused, or the flash does not take them.
     pub fn save_parameters(&mut self) -> Result<()> {
-        self.needs_version(2, "a stored configuration")?;
         self.ask_done(RequestBody::ConfigSave)
     }
 
@@ -51,7 +40,6 @@ impl Client {
     /// # Errors
     /// When the rig does not answer.
     pub fn config_state(&mut self) -> Result<ConfigState> {
-        self.needs_version(2, "a stored configuration")?;
         self.ask(RequestBody::ConfigState, |reply| match reply {
             ReplyBody::ConfigState(state) => Ok(*state),
             other => Err(unexpected(other)),
@@ -63,7 +51,6 @@ impl Client {
     /// # Errors
     /// When the rig does not answer.
     pub fn timing(&mut self) -> Result<[Spread; 2]> {
-        self.needs_version(2, "the timing of samples")?;
         self.ask(RequestBody::Timing, |reply| match reply {
             ReplyBody::Timing { interval, latency } => Ok([*interval, *latency]),
             other => Err(unexpected(other)),
@@ -75,7 +62,6 @@ impl Client {
     /// # Errors
     /// When the rig does not answer.
     pub fn events(&mut self) -> Result<Vec<Event>> {
-        self.needs_version(2, "a fault log")?;
         let mut events: Vec<Event> = Vec::new();
         let mut place = 0;
         loop {
