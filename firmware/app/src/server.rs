@@ -14,7 +14,7 @@ use embedded_io::Write;
 use pneudrive_protocol::session::NOBODY;
 use pneudrive_protocol::{
     Accumulator, CHUNK_SAMPLES, Event, MAX_EVENTS, MAX_FRAME, MAX_ROWS, MAX_VALUES, MessageError,
-    RecordedSample, Refused, Reply, ReplyBody, Request, StreamedSample, decode_request, encode, frame,
+    RecordedSample, Refused, Reply, ReplyBody, Request, StreamedSample, decode_request, encode_reply, frame,
 };
 
 use answers::{DIGEST_BETWEEN, digest};
@@ -187,7 +187,7 @@ impl Server {
         let mut scratch = SCRATCH;
         let Some((sequence, body)) = self.talk.stream.due(&mut scratch) else { return Ok(()) };
         let mut frame = [0; MAX_FRAME];
-        port.write_all(encode(&Reply { sequence, body }, &mut frame).unwrap_or(&[]))
+        port.write_all(encode_reply(&Reply { sequence, body }, &mut frame).unwrap_or(&[]))
     }
 }
 
@@ -221,5 +221,5 @@ fn answer(
             Reply { sequence: (*sequence)?, body: ReplyBody::Refused(Refused::Unknown) }
         }
     };
-    encode(&reply, frame).map(<[u8]>::len)
+    encode_reply(&reply, frame).map(<[u8]>::len)
 }

@@ -37,7 +37,7 @@ pub(crate) struct Streaming {
 
 impl Streaming {
     /// Checks that a run can be streamed before anything on the rig is changed.
-    pub(crate) fn check(client: &mut Client, path: &Path) -> Result<()> {
+    pub(crate) fn check(path: &Path) -> Result<()> {
         if path.exists() {
             bail!("{} already exists; choose another file", path.display());
         }

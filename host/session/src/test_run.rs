@@ -50,7 +50,7 @@ impl<'a> TestRun<'a> {
     /// As for [`prepare`]; when the file is there already, or the rig has no streams.
     pub fn prepare(&self, client: &mut Client, to: Option<&ToFile>) -> Result<Prepared<'a>> {
         if let Some(to) = to {
-            Streaming::check(client, &to.path)?;
+            Streaming::check(&to.path)?;
         }
         let parameters = prepare(client, self.rig, self.last_sample, self.with_parameters, to.is_some())?;
         let begin = |to| Streaming::begin(client, self.rig.name(), &parameters, to);

@@ -68,6 +68,7 @@ pub use frame::{Accumulator, FrameError};
 pub use message::{
     ConfigState, HISTOGRAM_BINS, Message, MessageError, Mode, Motion, RecordInfo, Refused, Reply, ReplyBody,
     Request, RequestBody, Spread, Status, UNTIL_STOPPED, code, decode_reply, decode_request, encode,
+    encode_reply,
 };
 pub use owner::{Owner, Presence};
 pub use profiled::ProfiledMove;

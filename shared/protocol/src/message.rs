@@ -34,10 +34,16 @@ pub struct MessageError {
 /// [`MAX_TEXT`](crate::MAX_TEXT)) or `out` is too short; [`MAX_FRAME`](crate::MAX_FRAME) bytes are
 /// always enough. Takes [`MAX_MESSAGE`] bytes of stack.
 #[must_use]
-#[inline(never)] // One copy of it, which an image may have for size.
 pub fn encode<'out>(message: &impl Message, out: &'out mut [u8]) -> Option<&'out [u8]> {
     let mut buffer = [0; MAX_MESSAGE];
     frame::encode(postcard::to_slice(message, &mut buffer).ok()?, out)
+}
+
+/// The same of a reply: one copy of it, which an image may have for size.
+#[must_use]
+#[inline(never)]
+pub fn encode_reply<'out>(reply: &Reply<'_>, out: &'out mut [u8]) -> Option<&'out [u8]> {
+    encode(reply, out)
 }
 
 /// The request in a message. What follows a known body is skipped.
