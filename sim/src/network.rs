@@ -1,7 +1,7 @@
-//! The network of flows: supply tube, two flow nodes with their lands and ports, two cylinder tubes.
+//! The flow network: the supply tube, two flow nodes with their lands and ports, and two cylinder tubes.
 //!
-//! Each node (6.47 to 6.53, Appendix VI) joins a land to the supply, a land to the exhaust and the
-//! bore of its port; with s, e and m the flows into, into and out of it:
+//! Each node (6.47 to 6.53, Appendix VI) joins a land to the supply, a land to the exhaust and the bore of its port.
+//! The flows s and e go into the node, m goes out of it:
 //!
 //! ```text
 //! s|s| = K_s/T psi(w_sv, w_n)      w_sv = tube(w_s, s_1 + s_2)
@@ -10,25 +10,24 @@
 //! T_n  = sum over inflows (mdot T) / sum of inflows
 //! ```
 //!
-//! psi is the flow function of [`crate::component::gas`] and T the temperature upstream. With upstream Mach
-//! numbers (V.9, 6.54; EQUATIONS section 1) the air approaches a restriction at the speed that its
-//! own flow has in the port's area A_p, and w and T upstream become their stagnation values:
+//! psi is the flow function of [`crate::component::gas`], and T is the temperature upstream. With upstream Mach
+//! numbers (V.9, 6.54; EQUATIONS section 1) the air approaches a restriction at a speed: its own flow through the
+//! port's area A_p gives that speed. w and T upstream then become their stagnation values:
 //!
 //! ```text
 //! M^2 = min(1, R T m^2 / (n A_p^2 P^2)),   w -> w f,  T -> T f,   f = 1 + (n-1)/2 M^2
 //! ```
 //!
-//! The air in a node stands still, and so does that of a vessel right at the valve: the surroundings, and supply
-//! and chambers that no tube joins to it. Their pressure is a stagnation pressure already. Air that charges a
-//! tube has the temperature T_n of the node it comes from, air that leaves a chamber that of the chamber (6.58,
-//! VIII.14; EQUATIONS section 12).
+//! Air in a node is at rest, so the pressure there is a stagnation pressure already. The same holds for a vessel
+//! right at the valve: the surroundings, and a supply or chambers without a tube. Air that charges a tube has the
+//! temperature T_n of its node. Air that leaves a chamber has the temperature of the chamber (6.58, VIII.14;
+//! EQUATIONS section 12).
 //!
-//! The unknowns are the flows: m|m| is smooth through zero, where a
-//! pressure difference has an infinite slope. Newton's
-//! method on (w_n, s, e) a node, bordered by the flow in the supply tube; it starts from the last
-//! solution, the first one from air at rest. Where it does not converge, nested brackets do: the net flow into a node
-//! falls with its pressure, so they cannot fail (EQUATIONS section 3) as long as the speeds of
-//! approach come to rest.
+//! The unknowns are the flows rather than the pressures: m|m| is smooth through zero, where the flow over the
+//! pressure difference has an infinite slope. Newton's method solves for (w_n, s, e) of each node, bordered by the
+//! flow in the supply tube. It starts from the last solution, and at first from air at rest. If it does not converge,
+//! nested brackets take over. They cannot fail as long as the iteration over the speeds of approach converges,
+//! because the net flow into a node falls with its pressure (EQUATIONS section 3).
 
 mod balance;
 mod brackets;
@@ -56,7 +55,7 @@ pub use node::Node;
 pub(crate) use nodes::{Nodes, Surroundings};
 use predictor::Predictor;
 
-/// Which way the air in a port goes. Fixed during a step; its reversal is an event.
+/// The direction of the air in a port. It is fixed during a step; its reversal is an event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PortFlow {
     /// Into the cylinder.
@@ -65,7 +64,7 @@ pub enum PortFlow {
     Discharging,
 }
 
-/// Which ends of the network are vessels right at the valve: no tube brings their air to it.
+/// The ends of the network that are vessels right at the valve, without a tube.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Vessels {
     /// The supply.
@@ -74,7 +73,7 @@ pub struct Vessels {
     pub chambers: bool,
 }
 
-/// The laws of flow of lands and ports.
+/// The flow laws of lands and ports.
 #[derive(Clone, Copy, Debug)]
 pub struct Laws {
     /// Between the supply and a node.
@@ -92,13 +91,13 @@ impl Laws {
         Laws { supply: law, exhaust: law, port: law }
     }
 
-    /// Whether everything is an orifice with a constant coefficient of discharge.
+    /// Whether all of them are orifices with a constant coefficient of discharge.
     fn are_orifices(&self) -> bool {
         [self.supply, self.exhaust, self.port] == [FlowLaw::Orifice; 3]
     }
 }
 
-/// What the network joins, and the last solution, from which the next one starts.
+/// The network and its last solution, from which the next one starts.
 #[derive(Clone, Debug)]
 pub struct Network {
     gas: Gas,
@@ -109,47 +108,47 @@ pub struct Network {
     supply_tube: Tube,
     cylinder_tube: Tube,
     laws: Laws,
-    /// Whether lands and ports are orifices that air flows through.
+    /// Whether air can flow through the lands and ports, and all are orifices.
     passes_air: bool,
-    /// Which ends are vessels right at the valve, whose air is at rest.
+    /// The ends that are vessels right at the valve, with air at rest.
     vessels: Vessels,
-    /// What of a lagged supply tube follows the flow at once.
+    /// The part of a lagged supply tube's drop that follows the flow at once.
     following: Option<Following>,
-    /// Stagnation temperature of the air that goes back through the supply tube, K.
+    /// Stagnation temperature of the air that flows back through the supply tube, K.
     returning: f64,
-    /// R / (n A_p^2): makes T m^2 / P^2 a squared Mach number; 0 where approach counts for nothing.
+    /// R / (n A_p^2). It turns T m^2 / P^2 into a squared Mach number; 0 without speeds of approach.
     mach: f64,
-    /// The square of C(54), which every upstream Mach number is multiplied by.
+    /// The square of C(54), the factor on every upstream Mach number.
     turbulence_squared: f64,
     nodes: Nodes,
     /// Whether `nodes` is a solution.
     started: bool,
-    /// Whether the next solution may be far from `nodes`, so that a search is worth its time.
+    /// Whether the next solution may be far from `nodes`: then a longer search pays.
     far: bool,
     predictor: Predictor,
-    /// Allowed error of a flow, kg/s, in the present step and in one no longer than `short_step` (s).
+    /// Allowed error of a flow, kg/s: in the present step, and in steps up to `short_step` (s).
     flow_error: f64,
     short_error: f64,
     short_step: f64,
-    /// Whether flows are solved to rounding instead.
+    /// Whether flows are solved to rounding error instead.
     tight: bool,
-    /// Solutions that were not found, and those found since, until there are enough of these in a row.
+    /// Solutions that were not found, and later ones found in a row, until there are enough of these.
     failures: u32,
     found: u32,
-    /// Work done so far.
+    /// Work counters.
     pub work: NetworkWork,
 }
 
-/// Counters of the work of the network.
+/// Work counters of the network.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct NetworkWork {
     /// Requested solutions.
     pub solutions: u64,
-    /// Newton iterations over all of them.
+    /// Newton iterations of all solutions.
     pub iterations: u64,
-    /// Solutions by nested brackets, where Newton did not converge.
+    /// Solutions by nested brackets, after Newton's method did not converge.
     pub bracketed: u64,
-    /// Passes of these over the speeds of approach.
+    /// Passes of the brackets over the speeds of approach.
     pub passes: u64,
 }
 
@@ -157,8 +156,8 @@ pub struct NetworkWork {
 const FLOW_ERROR: f64 = 1e-15;
 
 impl Network {
-    /// A network at rest between a supply and an exhaust. `port_area` (m^2) makes flows approach
-    /// their restrictions at a speed; without one, air is at rest in front of each.
+    /// A network at rest between a supply and an exhaust. With a `port_area` (m^2) air approaches the restrictions at
+    /// a speed; without one it is at rest in front of each.
     #[must_use]
     pub fn new(
         gas: Gas,
@@ -205,54 +204,54 @@ impl Network {
         }
     }
 
-    /// The same with the air at rest in front of the valve at these ends: no tube brings it there.
+    /// The network with vessels right at the valve at these ends.
     #[must_use]
     pub fn beside(self, vessels: Vessels) -> Network {
         let mach = if vessels.supply && vessels.chambers { 0.0 } else { self.mach };
         Network { vessels, mach, ..self }
     }
 
-    /// The same with every upstream Mach number multiplied by C(54), from 0 to 1 (6.54).
+    /// The network with C(54), a factor from 0 to 1 on every upstream Mach number (6.54).
     #[must_use]
     pub fn with_turbulence(self, coefficient: f64) -> Network {
         Network { turbulence_squared: coefficient * coefficient, ..self }
     }
 
-    /// The same with flows to this error, kg/s.
+    /// The network with this allowed error of a flow, kg/s.
     #[must_use]
     pub fn to_within(self, flow_error: f64) -> Network {
         Network { flow_error, short_error: flow_error, ..self }
     }
 
-    /// The same with that error in steps of `short_step` seconds, and as much less in longer ones: it is mass that
-    /// counts.
+    /// The network with this allowed error in steps of `short_step` seconds. Longer steps get a proportionally
+    /// smaller error, since the error in mass counts.
     #[must_use]
     pub fn by_steps_of(self, short_step: f64) -> Network {
         Network { short_step, ..self }
     }
 
-    /// A step of `h` seconds is about to be tried.
+    /// Prepares for a trial step of `h` seconds.
     pub fn begin_step(&mut self, h: f64) {
         self.flow_error = self.short_error * (self.short_step / h).min(1.0);
     }
 
-    /// Switches on or off that flows are solved to rounding; returns whether that is a change.
+    /// Switches solving to rounding error on or off. Returns whether that is a change.
     pub fn tighten(&mut self, tight: bool) -> bool {
         std::mem::replace(&mut self.tight, tight) != tight
     }
 
-    /// Sets the laws of the lands to the supply and to the exhaust, where the spool has moved.
+    /// Sets the flow laws of the lands after the spool has moved.
     pub(crate) fn set_land_laws(&mut self, [supply, exhaust]: [FlowLaw; 2]) {
         (self.laws.supply, self.laws.exhaust) = (supply, exhaust);
     }
 
-    /// The flows jump: what they were says nothing of the next ones.
+    /// The flows jump, so the last solutions do not predict the next one.
     pub fn jump(&mut self) {
         self.predictor = Predictor::UNKNOWN;
         self.expect_jump();
     }
 
-    /// The next solution may be far from the last one: a mode changed.
+    /// A mode has changed, so the next solution may be far from the last one.
     pub fn expect_jump(&mut self) {
         self.far = true;
     }
@@ -289,8 +288,7 @@ impl Network {
         self.supply_end(nodes.supply.reduce_add()).exner
     }
 
-    /// w at the far side of the ports, for the chambers that they are joined to and the directions of the air in
-    /// them.
+    /// w at the far side of the ports, for these chambers and these directions of the air.
     pub(crate) fn exner_behind_ports(
         &self,
         nodes: &Nodes,
@@ -302,7 +300,7 @@ impl Network {
         self.cylinder_tube.far_end(&Station { temperature, ..*chambers }, -nodes.port_flow()).exner
     }
 
-    /// The valve's end of the supply tube, for a flow (kg/s) from the supply.
+    /// w at the valve's end of the supply tube, for a flow (kg/s) from the supply.
     #[inline(always)]
     fn supply_end(&self, total: f64) -> FarEnd {
         let temperature = if total < 0.0 { self.returning } else { self.supply.temperature };
@@ -312,8 +310,8 @@ impl Network {
         }
     }
 
-    /// Has a part of the drop in the lagged supply tube follow the flow at once: the exponent `part` of what the
-    /// tube makes of the supply, where the rest has come to the known pressure.
+    /// Lets a part of the drop in a lagged supply tube follow the flow at once. `part` is its exponent of the tube's
+    /// factor; the rest has come to the known pressure.
     pub(crate) fn let_supply_follow(&mut self, source: Station, tube: Tube, part: f64) {
         self.following = (part > 0.0).then_some(Following { source, tube, part });
     }

@@ -1,15 +1,16 @@
-//! What an axis may do before the supervisor trips, and the end positions that a user sets.
+//! The limits of an axis: when the supervisor trips, and the end positions that the user sets.
 //!
-//! | judged | trips with |
+//! | check | fault |
 //! |---|---|
-//! | a step of the encoder in one sample | [`Fault::EncoderStep`] |
-//! | the position, once counts mean positions | [`Fault::PositionOutside`] |
-//! | a raw pressure near an end of its converter, for some samples | [`Fault::SensorRange`] |
-//! | a valve that is open and moves nothing: of a closed loop that runs or holds, and of a homing run that leaves its stop or looks for its switch | [`Fault::NoMotion`] |
-//! | an axis that moves though its valve is at null, armed or behind the moves of an open loop: faster than a hundredth of the highest speed, or slowly, but far from where it came to stand | [`Fault::MotionAtNull`] |
+//! | the encoder steps too far in one sample | [`Fault::EncoderStep`] |
+//! | a referenced axis leaves its stroke | [`Fault::PositionOutside`] |
+//! | a raw pressure stays near an end of its converter for some samples | [`Fault::SensorRange`] |
+//! | the valve is open, but the axis stands | [`Fault::NoMotion`] |
+//! | the valve is at null, but the axis moves | [`Fault::MotionAtNull`] |
 //!
-//! The last but one notices swapped tubes (the cylinder runs into its end and stays), a lost encoder and a
-//! stuck spool. What an open valve must move is the sum of its opening over the time:
+//! The stall detector ([`NoMotion`]) watches a closed loop that runs or holds, and a homing run that leaves its stop
+//! or looks for its switch. It notices swapped tubes (the cylinder runs into its end and stays there), a lost encoder
+//! and a stuck spool. It sums the opening of the valve while the encoder stands:
 //!
 //! ```text
 //! effort = min(|command - null|, half of the valve) - idle   a sample, while the encoder stands
@@ -17,7 +18,11 @@
 //! time to trip = no-motion time * (half - idle) / (|command - null| - idle),   at least the no-motion time
 //! ```
 //!
-//! The idle part, in which a valve may be shut, is the smaller of `dead_zone_counts` and a tenth of the largest command.
+//! The valve may be shut within the idle part. The idle part is `dead_zone_counts`, but at most a tenth of the
+//! largest command.
+//!
+//! Motion at null is checked while the drive is armed, and after the moves of an open loop. It trips when the axis is
+//! faster than a hundredth of the highest speed, or when it creeps far from where it came to rest.
 
 use crate::estimator::Motion;
 use crate::fault::Fault;
@@ -35,49 +40,48 @@ pub struct Limits {
     pub position_max: i32,
     /// Furthest step of the encoder in one sample, counts.
     pub encoder_step: u32,
-    /// A raw pressure at or below it is that of an open sensor; -1: none is. The least number without sensors.
+    /// Raw pressures from here down mean an open sensor; -1: none do. Without sensors, the smallest number.
     pub sensor_low: i16,
-    /// A raw pressure at or above it is that of a shorted sensor; 32768: none is.
+    /// Raw pressures from here up mean a shorted sensor; 32768: none do.
     pub sensor_high: i32,
-    /// Samples that a pressure must stay there.
+    /// A pressure must stay there for this many samples.
     pub sensor_samples: u32,
-    /// What an open valve may move nothing for.
+    /// The stall detector.
     pub no_motion: NoMotion,
-    /// Furthest motion with the valve at null in [`NULL_SAMPLES`], counts: at a hundredth of the highest speed.
+    /// Limit of the motion with the valve at null in [`NULL_SAMPLES`], counts: at a hundredth of the highest speed.
     pub null_motion: u32,
-    /// Furthest from where it came to stand that an axis may creep with the valve at null, counts.
+    /// Limit of the creep with the valve at null, from where the axis came to rest, counts.
     pub null_drift: u32,
-    /// So far from where it stood is motion, counts.
+    /// A smaller distance from where the axis stood is not motion, counts.
     pub no_motion_counts: u32,
-    /// Software end positions, counts: setpoints beyond them are refused, and an open loop does not
-    /// push beyond them.
+    /// Lower soft limit, counts. Setpoints beyond a soft limit are refused, and an open loop does not push beyond it.
     pub end_min: i32,
-    /// The other one.
+    /// Upper soft limit, counts.
     pub end_max: i32,
 }
 
-/// Over so many samples motion at null is judged.
+/// Motion at null is checked over this many samples.
 pub const NULL_SAMPLES: u32 = 64;
 
-/// So many times as far as in [`NULL_SAMPLES`] an axis may creep in all.
+/// The limit of creep at null, as a multiple of the limit within [`NULL_SAMPLES`].
 pub const NULL_DRIFT: u32 = 4;
 
-/// An axis that was driven may coast for so many samples before its motion at null is judged: 1 s at 1.3 ms.
+/// After a motion the axis may coast for this many samples before motion at null is checked: 1 s at 1.3 ms.
 const COASTING_SAMPLES: i32 = 768;
 
-/// How long an open valve may move nothing: the more it is open, the shorter.
+/// The stall detector: the further the valve is open, the sooner a standing axis trips.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct NoMotion {
-    /// A command so far from the null opens nothing for certain, counts or steps.
+    /// Up to this distance from null the valve may be shut, counts or steps.
     pub idle: u32,
-    /// A command further from the null counts as one that is so far, counts or steps.
+    /// Commands further from null than this count as this, counts or steps.
     pub full: u32,
-    /// A larger sum of what commands exceed the idle part by, over samples, trips a standing axis; `u32::MAX`: none does.
+    /// The sum of effort that a standing axis may reach without a trip; `u32::MAX`: it never trips.
     pub most: u32,
 }
 
 impl NoMotion {
-    /// For so many samples of a valve that is open by half or more, whose commands reach so far.
+    /// The detector that trips after `samples` when the valve is open by half or more. `largest`: largest command.
     #[must_use]
     pub fn of(samples: u32, largest: i16, dead_zone: u32) -> NoMotion {
         let largest = u32::from(largest.unsigned_abs());
@@ -87,28 +91,28 @@ impl NoMotion {
         NoMotion { idle, full, most: effort.checked_sub(1).unwrap_or(u32::MAX) }
     }
 
-    /// What a command so far from the null adds at a sample; None where the valve may be shut.
+    /// The effort of one sample with this command; None if the valve may be shut.
     pub(crate) fn effort(&self, from_null: u32) -> Option<u32> {
         (from_null > self.idle).then(|| from_null.min(self.full) - self.idle)
     }
 }
 
 impl Limits {
-    /// Whether a setpoint lies between the software end positions.
+    /// Whether a setpoint is within the soft limits.
     #[must_use]
     pub fn allows(&self, setpoint: i32) -> bool {
         self.end_min <= setpoint && setpoint <= self.end_max
     }
 
-    /// The demand within the range of the drive stage.
+    /// The demand, limited to the range of the drive stage.
     #[must_use]
     pub fn command(&self, demand: i32) -> i16 {
         let largest = i32::from(self.largest_command);
-        // Not clamp(): it panics for limits that have crossed, and this path must not.
+        // Not clamp(): it panics if the limits have crossed, and this path must not panic.
         demand.min(largest).max(-largest) as i16
     }
 
-    /// The demand of an open loop, which goes no further than a software end position.
+    /// The demand of an open loop, limited so that it does not push beyond a soft limit.
     #[must_use]
     pub fn hold_back(&self, demand: i32, position: i32) -> i32 {
         let pushes_out = (position <= self.end_min && demand < 0) || (position >= self.end_max && demand > 0);
@@ -125,32 +129,32 @@ impl Limits {
     }
 }
 
-/// What there is to judge at one sample.
+/// The inputs of the checks at one sample.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Evidence<'a> {
     pub motion: &'a Motion,
     pub input: &'a Sample,
-    /// Whether counts mean positions.
+    /// Whether the axis is referenced.
     pub referenced: bool,
-    /// How far the command in force is from the null, if it must move the axis; else 0.
+    /// Distance of the command in force from null if it has to move the axis, else 0.
     pub from_null: u32,
 }
 
-/// How long something has been wrong, samples.
+/// The state of the checks from sample to sample.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Watch {
     bad_sensor: u32,
     standstill: Standstill,
-    /// Where an axis at null came to stand; None while it may coast.
+    /// Where the axis came to rest with the valve at null; None while it may coast.
     stands_at: Option<i32>,
-    /// Where it was when the present [`NULL_SAMPLES`] at null began, and how many of them have passed; negative
-    /// while it may coast.
+    /// Where the axis was when the present [`NULL_SAMPLES`] at null began, and how many of them have passed. The
+    /// number is negative while the axis may coast.
     null_from: i32,
     null_samples: i32,
 }
 
 impl Watch {
-    /// What is wrong at this sample. The encoder is judged first: nothing else can be believed without.
+    /// The fault at this sample, if any. The encoder comes first, because every other check relies on it.
     pub fn judge(&mut self, limits: &Limits, seen: &Evidence) -> Option<Fault> {
         if seen.motion.step > limits.encoder_step {
             Some(Fault::EncoderStep)
@@ -165,7 +169,7 @@ impl Watch {
         }
     }
 
-    /// Whether a pressure has been none for too long.
+    /// Whether a pressure has been out of range for too long.
     fn sensor_is_bad(&mut self, limits: &Limits, input: &Sample) -> bool {
         if limits.are_pressures(input.pressure_1, input.pressure_2) {
             self.bad_sensor = 0;
@@ -175,7 +179,7 @@ impl Watch {
         self.bad_sensor >= limits.sensor_samples
     }
 
-    /// That of an axis whose valve has just come to its null.
+    /// The state when the valve has just come to null: the axis may coast.
     pub fn of_a_coasting_axis() -> Watch {
         Watch { null_samples: -COASTING_SAMPLES, ..Watch::default() }
     }
@@ -185,7 +189,7 @@ impl Watch {
         self.null_samples = -COASTING_SAMPLES;
     }
 
-    /// Whether an axis moves though its valve is at null. `open`: the spool is still on the way there.
+    /// Whether the axis moves although its valve is at null. `open`: the spool is still on its way there.
     pub fn runs_away(&mut self, limits: &Limits, position: i32, open: bool) -> bool {
         if open || self.null_samples < 0 {
             self.stands_at = None;
@@ -200,7 +204,7 @@ impl Watch {
             || position.abs_diff(stands_at) > limits.null_drift
     }
 
-    /// Whether the valve should have moved an axis that has stood.
+    /// Whether the axis has stood although the valve was open for long enough to move it.
     fn stands(&mut self, limits: &Limits, seen: &Evidence) -> bool {
         let Some(effort) = limits.no_motion.effort(seen.from_null) else {
             self.standstill.restart(seen.motion.position);
@@ -264,7 +268,7 @@ mod tests {
         assert!(watch.runs_away(&limits, rest + 11, false));
     }
 
-    /// A count in as many samples as it takes to be slower than any window sees.
+    /// One count in every 16 samples: too slow for any window to see.
     #[test]
     fn an_axis_that_creeps_at_null_goes_no_further_than_allowed_from_where_it_came_to_stand() {
         let limits = Limits { null_motion: 10, null_drift: 40, ..Config::default().limits };

@@ -1,4 +1,4 @@
-//! The temperature of the air in the tubes: that of the place it comes from (EQUATIONS section 12).
+//! The temperature of the air in the tubes is that of its source (EQUATIONS section 12).
 
 use super::tests::network_with;
 use super::*;
@@ -18,7 +18,7 @@ fn station(gas: &Gas, pressure: f64, temperature: f64) -> Station {
     Station { exner: gas.exner(pressure), temperature }
 }
 
-/// The nodes with the directions of the ports that their flows have.
+/// The nodes, with port directions that match their flows.
 fn settled(
     network: &mut Network,
     valve: &Valve,
@@ -54,7 +54,7 @@ fn a_choked_flow_into_a_chamber_does_not_depend_on_the_air_in_the_chamber() {
     }
 }
 
-/// The same air at any pressure, and what leaves the chamber has its temperature.
+/// The air has the same temperature at any pressure, and air that leaves the chamber has the chamber's.
 #[test]
 fn air_that_leaves_a_chamber_has_its_temperature_all_the_way() {
     let (gas, template) = network_with(false, false);
@@ -106,7 +106,7 @@ fn newton_and_brackets_agree_whatever_the_temperatures() {
     assert!(compared > 150, "{compared}");
 }
 
-/// All slopes are there: near the solution the correction squares.
+/// All slopes are complete: near the solution each correction is about the square of the last.
 #[test]
 fn newton_converges_as_fast_with_tubes_that_feel_the_temperature() {
     let (gas, template) = network_with(false, true);
@@ -124,8 +124,8 @@ fn newton_converges_as_fast_with_tubes_that_feel_the_temperature() {
     }
 }
 
-/// A supply that dips below the chambers takes air back: through the tube goes what the nodes give, as warm as
-/// they give it.
+/// A supply that dips below the chambers takes air back. Its tube carries the flow that the nodes give back, at their
+/// temperature.
 #[test]
 fn air_that_goes_back_to_the_supply_is_as_warm_as_the_nodes_that_give_it() {
     let (gas, template) = network_with(false, false);

@@ -19,7 +19,7 @@ fn gamma(p1: f64, t1: f64, m1: f64, p2: f64) -> f64 {
     p1 / t1.sqrt() * if ratio <= critical { sonic } else { subsonic(ratio) }
 }
 
-/// An orifice of 6.39 to 6.46: Gamma from rest, negative for reverse flow.
+/// An orifice of 6.39 to 6.46: Gamma from air at rest, negative for reverse flow.
 fn orifice(area: f64, (p_a, t_a): (f64, f64), (p_b, t_b): (f64, f64)) -> f64 {
     let flux = if p_a >= p_b { gamma(p_a, t_a, 0.0, p_b) } else { -gamma(p_b, t_b, 0.0, p_a) };
     area * (N / R).sqrt() * flux
@@ -36,12 +36,12 @@ fn network(approach: bool) -> Network {
     Network::new(Gas::new(N, R), supply, exhaust, Tube::none(), Tube::none(), laws, port_area)
 }
 
-/// Gamma as the network has it: of a restriction with C_d A of 1, approached at a Mach number.
+/// Gamma of the network: one restriction with C_d A of 1, approached at a Mach number.
 fn gamma_of_network(p1: f64, t1: f64, m1: f64, p2: f64) -> f64 {
     gamma_with(&network(true), p1, t1, m1, p2)
 }
 
-/// The same of a network of any C(54).
+/// Gamma of a network with any C(54).
 fn gamma_with(network: &Network, p1: f64, t1: f64, m1: f64, p2: f64) -> f64 {
     let gas = Gas::new(N, R);
     let flow = m1 * p1 / (network.mach * t1).sqrt();
@@ -65,7 +65,7 @@ fn the_flow_function_is_that_of_appendix_v_at_any_pressure_ratio_and_upstream_ma
                 let expected = gamma(p1, t1, mach, ratio * p1);
                 let got = gamma_of_network(p1, t1, mach, ratio * p1);
                 let scale = gamma(p1, t1, mach, 0.0);
-                // Near no flow the root of a difference of pressures keeps half of the digits.
+                // Near zero flow, the root of a pressure difference keeps half of the digits.
                 let allowed = if expected < 1e-3 * scale { 1e-7 } else { 1e-11 };
                 assert!((got - expected).abs() < allowed * scale, "M {mach}, r {ratio}: {got} {expected}");
             }
@@ -107,7 +107,7 @@ fn air_that_approaches_flows_like_air_at_rest_at_its_stagnation_state() {
     }
 }
 
-/// 6.54: C(54) multiplies the Mach number, one above that of sound being that of sound.
+/// 6.54: C(54) multiplies the Mach number; values above 1 count as 1.
 #[test]
 fn the_turbulence_coefficient_multiplies_the_upstream_mach_number() {
     for coefficient in [0.0, 0.3, 0.7, 1.0] {
@@ -120,7 +120,7 @@ fn the_turbulence_coefficient_multiplies_the_upstream_mach_number() {
     }
 }
 
-/// V.12, V.13: reverse flow is negative, by the state behind and not by that in front.
+/// V.12, V.13: reverse flow is negative and follows from the state behind the restriction.
 #[test]
 fn reverse_flow_is_negative_and_takes_the_other_side_as_upstream() {
     for ratio in [0.1, 0.5, 0.9] {
@@ -142,7 +142,7 @@ fn ports_of(network: &mut Network, valve: &Valve, chambers: &[Station; 2], spool
     network.solve(&conductances, chambers, &ports)
 }
 
-/// Spool positions and chamber pressures over all of the valve's work.
+/// Spool positions and chamber pressures over the whole working range of the valve.
 fn operating_points() -> impl Iterator<Item = (f64, [f64; 2])> {
     let spools = [-0.8e-3, -0.15e-3, 0.0, 0.05e-3, 0.5e-3];
     let chambers = [[110e3, 580e3], [325e3, 400e3], [560e3, 150e3]];
@@ -167,8 +167,8 @@ fn a_single_restriction_has_the_conventional_flows_of_its_lands() {
     }
 }
 
-/// 6.47 to 6.51 with all Mach numbers zero: lands and port are the orifices of 6.39 to 6.46 between
-/// their stations, and what comes in goes out.
+/// 6.47 to 6.51 with all Mach numbers zero: lands and port are the orifices of 6.39 to 6.46 between their stations,
+/// and the flows into a node equal the flow out of it.
 #[test]
 fn without_mach_numbers_every_flow_of_a_node_is_that_of_a_conventional_orifice() {
     let (valve, gas) = (thesis_valve(), Gas::new(N, R));
@@ -192,8 +192,8 @@ fn without_mach_numbers_every_flow_of_a_node_is_that_of_a_conventional_orifice()
     }
 }
 
-/// Appendix VI (a) to (h): T_v of VI.1 to VI.9 for every combination of signs, stagnation temperatures
-/// given. EQUATIONS section 3: VI.7, where nothing flows in, has no rule.
+/// Appendix VI (a) to (h): T_v of VI.1 to VI.9 for every combination of signs, with given stagnation temperatures.
+/// EQUATIONS section 3: VI.7, where nothing flows in, has no rule.
 #[test]
 fn the_eight_cases_of_appendix_vi_are_one_rule_of_mixing() {
     let [t_s, t_e, t_1] = [294.0, 280.0, 350.0];

@@ -6,11 +6,11 @@
 //! port                  m|m| + K_p/T psi(w_v,  w_n) = 0,   m = s + e
 //! ```
 //!
-//! The slopes over (w_n, s, e) are complete: they have the node's temperature in them, and the pressures behind the
-//! tubes. That over the flow in the supply tube stands apart, as it joins the two nodes.
+//! The slopes over (w_n, s, e) are complete: they include the node's temperature and the pressures behind the tubes.
+//! The slope over the flow in the supply tube is kept apart, because this flow joins the two nodes.
 //!
-//! Nearly always air flows from the supply into both nodes and out of both into the exhaust: then
-//! [`super::usual`] solves the same equations in half the time.
+//! Nearly always air flows from the supply into both nodes and out of both into the exhaust. Then [`super::usual`]
+//! solves the same equations in half the time.
 
 use super::Network;
 use super::mixing::Mixture;
@@ -22,17 +22,17 @@ use crate::component::tubing::FarEnd;
 use crate::component::valve::flow_law::FlowLaw;
 use crate::number::{Number, Pair};
 
-/// Residual of a port without a bore, per unit of Exner pressure: of the size of the others, kg^2/s^2.
+/// Residual of a port without a bore, per unit of Exner pressure: as large as the others, kg^2/s^2.
 const OPEN_PORT: f64 = 1e-6;
 
-/// One equation of each node: its residual, its slopes over (w_n, s, e), and that over the flow in the supply tube.
+/// One equation of each node: its residual, and its slopes over (w_n, s, e) and over the flow in the supply tube.
 struct Line {
     residual: Pair,
     row: [Pair; 3],
     by_total: Pair,
 }
 
-/// The equations of each node: of the land to the supply, of that to the exhaust, and of the port.
+/// The three equations of each node: land to the supply, land to the exhaust, port.
 pub(super) struct Balance {
     lines: [Line; 3],
     pub mixture: Mixture,
@@ -41,12 +41,13 @@ pub(super) struct Balance {
 /// Corrections of the nodes' w_n, s and e.
 pub(super) type Correction = [Pair; 3];
 
-/// Slopes of w behind the ports over s, e and the flow in the supply tube, by the temperature of the air in the tubes.
+/// Slopes of w behind the ports over s, e and the flow in the supply tube, through the temperature of the air in the
+/// tubes.
 type ByWarmth = Option<[Pair; 3]>;
 
 impl Network {
-    /// The balance at `nodes`. `AT_REST`: no air has a speed in front of a restriction. `PLAIN`: no tube's drop depends on
-    /// the temperature of its air, and nothing of a lagged one follows at once.
+    /// The balance at `nodes`. `AT_REST`: no air has a speed in front of a restriction. `PLAIN`: no tube's drop
+    /// depends on the temperature of its air, and no part of a lagged tube's drop follows at once.
     #[inline(always)]
     pub(super) fn balance<const AT_REST: bool, const PLAIN: bool>(
         &self,
@@ -72,7 +73,8 @@ impl Network {
         Balance { lines, mixture }
     }
 
-    /// Whether no tube's drop depends on the temperature of its air, and nothing of a lagged one follows at once.
+    /// Whether no tube's drop depends on the temperature of its air, and no part of a lagged tube's drop follows at
+    /// once.
     #[inline(always)]
     pub(super) fn is_plain(&self) -> bool {
         self.following.is_none()
@@ -80,7 +82,7 @@ impl Network {
             && !self.cylinder_tube.feels_temperature()
     }
 
-    /// Whether flows of the usual pattern are looked for: orifices for air, none of them shut.
+    /// Whether the usual pattern may be tried: all restrictions are orifices for air, and none is shut.
     #[inline(always)]
     pub(super) fn may_be_usual(&self, around: &Surroundings) -> bool {
         self.passes_air && self.is_plain() && !around.has_shut_land && around.valve.port.is_some()
@@ -196,7 +198,7 @@ impl Network {
         self.line_by_line(around, land, source, (flow, value), slopes)
     }
 
-    /// The same one by one: at rest, or beside a land that is shut.
+    /// The same, one land at a time: for air at rest, or beside a land that is shut.
     #[inline(never)]
     fn line_by_line(
         &self,
@@ -218,7 +220,7 @@ impl Network {
     }
 }
 
-/// A port without a bore: its pressure is that of the node.
+/// A port without a bore: its pressure equals the node's.
 #[inline(always)]
 fn open_port_line(nodes: &Nodes, tubes: &Side, by_warmth: ByWarmth) -> Line {
     let by_flow = pair(-OPEN_PORT) * tubes.by_flow;
@@ -232,13 +234,14 @@ fn open_port_line(nodes: &Nodes, tubes: &Side, by_warmth: ByWarmth) -> Line {
 }
 
 impl Mixture {
-    /// The node's air as a restriction feels it.
+    /// The air of the node in front of a restriction.
     #[inline(always)]
     fn place(&self, nodes: &Nodes) -> EndState<Pair> {
         EndState { exner: nodes.exner, per_temperature: self.per_temperature }
     }
 
-    /// Slopes of a squared flow over s, e and the flow in the supply tube by T_n, where the air is the node's.
+    /// Slopes of a squared flow over s, e and the flow in the supply tube, through T_n, where the air comes from the
+    /// node.
     #[inline(always)]
     fn cooled(&self, square: &SquareFlow<Pair>, of_node: Pair, slopes: Slope) -> [Pair; 3] {
         let cooling = match slopes {
@@ -250,28 +253,28 @@ impl Mixture {
 }
 
 impl Balance {
-    /// The correction at a fixed flow in the supply tube, and that per unit of its change. The
-    /// determinant vanishes only where no air flows at all.
+    /// The correction at a fixed flow in the supply tube, and the correction per unit of that flow. The determinant
+    /// vanishes only where no air flows at all.
     #[inline(always)]
     pub fn corrections<const AT_REST: bool>(&self) -> [Correction; 2] {
         let [a, b, c] = self.lines.each_ref().map(|line| &line.row);
         let columns = cofactors(a, b, c);
         let determinant = a[0] * columns[0][0] + a[1] * columns[1][0] + a[2] * columns[2][0];
         let scale = pair(-1.0) / determinant;
-        // The determinant's inverse comes last.
+        // The inverse of the determinant comes last.
         let solved = |right: [Pair; 3]| {
             columns.map(|column| scale * (right[0] * column[0] + right[1] * column[1] + right[2] * column[2]))
         };
         let fixed = solved(self.lines.each_ref().map(|line| line.residual));
         if AT_REST {
-            // The supply land alone feels the flow in the supply tube.
+            // Only the supply land depends on the flow in the supply tube.
             return [fixed, columns.map(|column| scale * (self.lines[0].by_total * column[0]))];
         }
         [fixed, solved(self.lines.each_ref().map(|line| line.by_total))]
     }
 }
 
-/// The cofactors of the rows a, b and c, those of an unknown together.
+/// The cofactors of the rows a, b and c, grouped by unknown.
 #[inline(always)]
 fn cofactors(a: &[Pair; 3], b: &[Pair; 3], c: &[Pair; 3]) -> [[Pair; 3]; 3] {
     let [bc, ca, ab] = [cross(b, c), cross(c, a), cross(a, b)];

@@ -1,6 +1,8 @@
-//! The network by nested brackets, which cannot fail: the flow of the supply tube outside, each node
-//! inside it, its port innermost. Slow, and used only where Newton's method gets lost, on the way from air at rest as well.
-//! Only the speeds of approach, which are given to the brackets and found again pass by pass, may not come to rest.
+//! Solves the network by nested brackets: the flow of the supply tube outside, each node inside it, its port
+//! innermost.
+//!
+//! The brackets cannot fail, but they are slow. They are used where Newton's method fails, also on the way from air
+//! at rest. Only the speeds of approach may not converge: each pass takes them as given and finds them again.
 
 use super::mixing::mean_of_inflows;
 use super::restriction::{Approach, EndState, MaybeApproach, factor};
@@ -9,25 +11,25 @@ use crate::component::valve::Conductances;
 use crate::component::valve::flow_law::FlowLaw;
 use pneudrive_solver::bracketed_root;
 
-/// Passes over the speeds of approach: half of the change is left after one, as a rule.
+/// Passes over the speeds of approach. As a rule, each pass halves the change.
 const MAX_PASSES: u32 = 400;
 
-/// Change of a factor that is none; ten times as much after every [`PASSES_PER_DECADE`] passes more: a solution that is
-/// nearly two in one is come to ever more slowly, and near enough in the end.
+/// A change of a factor below this counts as none. The limit grows tenfold after every further [`PASSES_PER_DECADE`]
+/// passes: near a double root the iteration slows down more and more, and is near enough in the end.
 const UNCHANGED: f64 = 1e-12;
 const PASSES_PER_DECADE: u32 = 50;
 
-/// A pass that leaves more than this part of the change of the one before is slow.
+/// A pass is slow if it leaves more than this part of the previous change.
 const SLOW: f64 = 0.7;
 
-/// The farthest that a slow factor reaches in one pass.
+/// Limit of the over-relaxation of a slow factor in one pass.
 const MAX_STEP_OF_FACTOR: f64 = 1e-3;
 
-/// Passes over the temperature of what charges a port without a bore: that of one land's air after the first, as a
-/// rule.
+/// Passes over the temperature of the air that charges a port without a bore. As a rule, one land gives this air
+/// after the first pass.
 const TEMPERATURE_PASSES: u32 = 4;
 
-/// What surrounds one node, for given speeds of approach.
+/// The surroundings of one node, for given speeds of approach.
 struct NodeSide<'a> {
     valve: Conductances,
     chamber: Station,
@@ -39,14 +41,15 @@ struct NodeSide<'a> {
 }
 
 impl Network {
-    /// Nested brackets for given speeds of approach, which then follow from the flows, beginning at
-    /// rest: of several solutions this finds the one that air at rest comes to.
+    /// Solves with nested brackets for given speeds of approach. The flows give new speeds, and so on, beginning at
+    /// rest. Of several solutions this finds the one that grows out of air at rest.
     ///
-    /// Where a solution has just come to its end a speed creeps past the place, ten thousand passes long. So a
-    /// factor that is slow reaches farther and farther, until it turns.
+    /// Just beyond the end of a solution a speed can creep past the place for ten thousand passes. So a slow factor
+    /// is over-relaxed more and more, until it turns.
     ///
-    /// Behind tubes that let next to nothing pass, air comes at the speed of sound or not at all, each the
-    /// consequence of the other: false where the speeds go round and round (Brent, BIT 20, 1980) or find no rest.
+    /// Returns false if the speeds cycle (Brent, BIT 20, 1980) or do not converge. This happens behind tubes that let
+    /// next to nothing pass: there air comes at the speed of sound or not at all, and each is the consequence of the
+    /// other.
     pub(super) fn by_brackets(&mut self, around: &Surroundings) -> bool {
         let mut places = [[OverRelaxation::AT_REST; 3]; 2];
         let mut landmark = places;
@@ -75,7 +78,7 @@ impl Network {
         false
     }
 
-    /// How air approaches supply land, exhaust land and port of node `i` at its present flows.
+    /// The factors of approach at supply land, exhaust land and port of node `i`, for its present flows.
     pub(super) fn approaches(&self, i: usize, around: &Surroundings) -> [MaybeApproach; 3] {
         let node = &self.nodes.each()[i];
         let supply = Station { exner: self.exner_at_lands(&self.nodes), ..self.supply };
@@ -84,7 +87,7 @@ impl Network {
         [self.supply_approach(&supply, node.supply_flow), None, self.port_approach(&far, -node.port_flow())]
     }
 
-    /// The nodes at the flow in the supply tube at which both take just that much.
+    /// The nodes at the flow in the supply tube that both together take.
     fn balanced(&self, around: &Surroundings, approaches: &[[MaybeApproach; 3]; 2]) -> [Node; 2] {
         let sides = [0, 1].map(|i| NodeSide {
             valve: around.valve.lane(i),
@@ -111,7 +114,7 @@ impl Network {
         nodes_at(bracketed_root(excess, bracket, 1e-16))
     }
 
-    /// The node at a given pressure behind the supply tube: where its net flow is zero.
+    /// The node at a given pressure behind the supply tube, where its net flow is zero.
     fn node_by_brackets(&self, side: &NodeSide, at_valve: f64) -> Node {
         let Some(bore) = side.valve.port else { return self.open_node_by_brackets(side, at_valve) };
         let net = |exner: f64| {
@@ -127,10 +130,10 @@ impl Network {
         self.node_at(exner, side, at_valve, |node| self.port_flow_at(node, side, bore))
     }
 
-    /// The same without a bore: the flow decides the node's pressure by the tube.
+    /// The same without a bore: the flow gives the node's pressure through the tube.
     fn open_node_by_brackets(&self, side: &NodeSide, at_valve: f64) -> Node {
         let node_for = |m: f64| {
-            // Air that charges the cylinder has the temperature of what the lands let in at that pressure.
+            // Air that charges the cylinder has the temperature of the air that the lands let in at that pressure.
             let node_with = |charging: f64| {
                 let far = self.port_station(charging, &side.chamber, side.port, m);
                 self.node_at(far.exner, side, at_valve, |_| m)
@@ -155,8 +158,7 @@ impl Network {
         node_for(m)
     }
 
-    /// The land flows at a node pressure. Inflows do not depend on the node's temperature, and it
-    /// follows from them.
+    /// The land flows at a node pressure. Inflows do not depend on the node's temperature, which follows from them.
     fn node_at(
         &self,
         exner: f64,
@@ -210,11 +212,11 @@ impl Network {
     }
 }
 
-/// The over-relaxed iteration of a speed of approach.
+/// The over-relaxed iteration of one speed of approach.
 #[derive(Clone, Copy)]
 struct OverRelaxation {
     approach: MaybeApproach,
-    /// The last change of its factor that a pass asked for, and how many times as far it went.
+    /// The last change of the factor that a pass asked for, and the over-relaxation that was used.
     last: f64,
     reach: f64,
 }
@@ -222,13 +224,13 @@ struct OverRelaxation {
 impl OverRelaxation {
     const AT_REST: OverRelaxation = OverRelaxation { approach: None, last: 0.0, reach: 1.0 };
 
-    /// Whether it is where another one is, and goes on from there as that did.
+    /// Whether it equals another one and continues in the same way.
     fn is_where(&self, there: &OverRelaxation) -> bool {
         let apart = factor(&self.approach) - factor(&there.approach);
         apart.abs() < UNCHANGED && self.reach == there.reach
     }
 
-    /// Moves on towards what a pass has found; tells how far it was from there.
+    /// Moves towards the result of a pass. Returns the distance before the move.
     fn follow(&mut self, found: MaybeApproach) -> f64 {
         let rise = factor(&found) - factor(&self.approach);
         self.reach = if rise * self.last < 0.0 {

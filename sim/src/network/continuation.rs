@@ -1,30 +1,30 @@
-//! Continuation: the solution that grows out of air at rest.
+//! Continuation: follows the solution that grows out of air at rest.
 //!
-//! With the air at rest in front of each restriction, the flows have one solution. With speeds of approach they may
-//! have several. The speeds are switched on in parts,
+//! With air at rest in front of each restriction the flows have one solution. With speeds of approach they may have
+//! several. So the speeds are switched on in steps,
 //!
 //! ```text
 //! f = 1 + (n-1)/2 a M^2,   a = 0, 1/8, 2/8 ... 1
 //! ```
 //!
-//! and the solution is followed from part to part. A leap means that the branch has ended and another solution was
-//! found; then the continuation has failed.
+//! and the solution is followed from step to step. A jump means that the branch has ended and another solution was
+//! found. Then the continuation has failed.
 
 use super::Network;
 use super::nodes::{Nodes, Surroundings, pair};
 use super::predictor::Predictor;
 use crate::number::Number;
 
-/// Parts in which the squared speeds are let in.
+/// The number of steps in which the squared speeds are switched on.
 const PARTS: u32 = 8;
 
-/// A solution does not change the flows of a node by more than this part of them at once,
+/// A step of the solution changes the flows of a node by at most this part of them,
 const LEAP: f64 = 0.25;
 /// and this part of all flows.
 const LEAK: f64 = 0.01;
 
 impl Network {
-    /// Follows the solution from rest; false where the branch ends, or where no speed counts.
+    /// Follows the solution from rest. Returns false if the branch ends, or without speeds of approach.
     pub(super) fn continue_from_rest(&mut self, around: &Surroundings) -> bool {
         if self.mach == 0.0 {
             return false;
@@ -44,7 +44,8 @@ impl Network {
     }
 }
 
-/// Whether the flows of each node are nearly what they were. Next to those of the other node a leak is nothing.
+/// Whether the flows of each node have hardly changed. A leak that is small beside the flows of the other node does
+/// not count.
 fn is_near(before: &Nodes, now: &Nodes) -> bool {
     let changes = (now.supply - before.supply).abs() + (now.exhaust - before.exhaust).abs();
     let sizes = now.supply.abs() + now.exhaust.abs();
@@ -67,15 +68,15 @@ mod tests {
         [PortFlow::Discharging, PortFlow::Discharging],
     ];
 
-    /// Whether the directions of the ports are those of the flows: else a node may have no inflow, and any
+    /// Whether the directions of the ports match their flows. Otherwise a node may have no inflow, and any
     /// temperature.
     fn fits(network: &Network, around: &Surroundings) -> bool {
         let each = network.nodes.each();
         (0..2).all(|i| (each[i].port_flow() >= 0.0) == (around.port(i) == PortFlow::Charging))
     }
 
-    /// Narrow and wide lands, tubes that let next to nothing pass and such that let all: where the solution can be
-    /// followed it is that of the brackets, and where it cannot these are asked.
+    /// Narrow and wide lands, tubes that let next to nothing pass and tubes that let everything pass. Where the
+    /// solution can be followed, it equals the one of the brackets. Elsewhere the brackets are used.
     #[test]
     fn what_air_at_rest_comes_to_is_what_the_brackets_find() {
         let (mut followed, mut all) = (0, 0);

@@ -12,7 +12,7 @@ pub(super) struct Following {
 }
 
 impl Following {
-    /// The valve's end, for the w that the rest has come to.
+    /// w at the valve's end, for the w that the rest has come to.
     pub fn far_end(&self, lagged: f64, temperature: f64, total: f64) -> FarEnd {
         let settled = self.tube.far_end(&Station { temperature, ..self.source }, total);
         let exner = lagged * libm::pow(settled.exner / lagged, self.part);

@@ -1,4 +1,4 @@
-//! Mixing of flows.
+//! Mixing of the flows into a node.
 
 use super::Network;
 use super::nodes::{Nodes, Surroundings, pair};
@@ -13,8 +13,8 @@ pub(super) struct Mixture {
 }
 
 impl Network {
-    /// The air in the cylinders' tubes, if their drop depends on it: what the node mixes when it charges, else the
-    /// chamber's.
+    /// The air in the cylinders' tubes, if their drop depends on it: the node's mixture on the way in, else the
+    /// chamber's air.
     #[inline(always)]
     pub(super) fn air_in_tubes(
         &self,
@@ -25,7 +25,7 @@ impl Network {
         if !self.cylinder_tube.feels_temperature() {
             return None;
         }
-        // Without a node the approach to the lands leaves the temperature alone (6.40).
+        // Without a node, the approach to the lands does not change the temperature (6.40).
         let at_rest = |station| Side { station, approach: None, by_flow: pair(0.0) };
         let behind = at_rest(around.chambers);
         let charging = match around.valve.port {
@@ -41,9 +41,8 @@ impl Network {
         })
     }
 
-    /// What flows into the nodes, mixed. A node that nothing flows into keeps its temperature. With each
-    /// approach comes the slope of w there: over the flow in the supply tube, and over the one back from the
-    /// cylinder.
+    /// The mixture of the flows into the nodes. A node without inflow keeps its temperature. Each approach comes with
+    /// the slope of w there: over the flow in the supply tube, and over the flow back from the cylinder.
     #[inline(always)]
     pub(super) fn mixture(
         &self,
@@ -63,9 +62,9 @@ impl Network {
         let flows = mass.above(zero);
         let per_mass = Pair::choose(flows, one / mass, zero);
         let temperature = Pair::choose(flows, per_mass * heat, nodes.temperature);
-        // Not by way of T_n itself, which is there later.
+        // Not through T_n itself, which is computed later.
         let per_temperature = Pair::choose(flows, mass, one) / Pair::choose(flows, heat, nodes.temperature);
-        // What a flow more brings of warmth, where it flows in.
+        // The heat that an additional flow brings where it flows in.
         let warmth = |flows_in: Pair, from: Pair| Pair::choose(flows_in, from - temperature, zero);
         let [s_flows, e_flows] = [s, e].map(|flow| flow.above(zero));
         let by_chamber = warmth(back.above(zero), from_chamber);
@@ -98,7 +97,7 @@ fn scaled(temperature: Pair, approach: &MaybeApproach<Pair>) -> Pair {
 }
 
 impl Mixture {
-    /// Of a temperature that no flow changes.
+    /// A temperature that no flow changes.
     #[inline(always)]
     pub fn of(temperature: Pair) -> Mixture {
         Mixture { temperature, per_temperature: pair(1.0) / temperature, slopes: [pair(0.0); 3] }
@@ -113,8 +112,7 @@ impl Mixture {
     }
 }
 
-/// Appendix VI as one rule: the mean stagnation temperature of what flows in, by mass. None if
-/// nothing does.
+/// Appendix VI as one rule: the mean stagnation temperature of the inflows, by mass. None without an inflow.
 pub(super) fn mean_of_inflows(inflows: &[(f64, f64)]) -> Option<f64> {
     let (mut mass, mut heat) = (0.0, 0.0);
     for (flow, temperature) in inflows.iter().filter(|(flow, _)| *flow > 0.0) {

@@ -1,8 +1,8 @@
 //! Newton's method on (w_n, s, e) of both nodes at once, bordered by the flow in the supply tube.
 //!
-//! The slopes are complete, those of the node's temperature included, so that the error after a correction
-//! goes with its square: about d^2/(2|f|) for a flow f whose last correction is d. The last one is applied
-//! and not looked at again.
+//! The slopes are complete, including those of the node's temperature. So the error after a correction goes with its
+//! square: about d^2/(2|f|) for a flow f whose last correction is d. The last correction is applied and not checked
+//! again.
 
 use super::balance::Correction;
 use super::mixing::Mixture;
@@ -16,19 +16,19 @@ use crate::component::air::Station;
 use crate::component::valve::flow_law::FlowLaw;
 use crate::number::{Number, Pair};
 
-/// How far a node's w may be beyond those around it: a pressure of eleven times as much.
+/// How far a node's w may exceed those around it: a factor of eleven in pressure.
 const BEYOND: f64 = 2.0;
 
-/// Whether another correction would be no more than the allowed error.
+/// Whether the next correction would be within the allowed error.
 enum Arrived {
     Yes,
     NotYet,
-    /// No number comes out.
+    /// The iteration gave no number.
     Never,
 }
 
 impl Network {
-    /// Newton's method from `nodes`, which it leads to the solution; false where it does not converge.
+    /// Newton's method from `nodes`, which it leads to the solution. Returns false if it does not converge.
     #[inline(always)]
     pub(super) fn newton(&mut self, around: &Surroundings, nodes: &mut Nodes, slopes: Slope) -> bool {
         self.begin(around, nodes);
@@ -50,8 +50,8 @@ impl Network {
         found && self.may_be(around, nodes)
     }
 
-    /// Whether nodes are between what surrounds them, but for the rise of air at speed: the equations have other roots, far
-    /// beyond.
+    /// Whether the nodes lie between their surroundings, apart from the rise of air at speed. The equations have
+    /// other roots, far beyond.
     #[inline(never)]
     fn may_be(&self, around: &Surroundings, nodes: &Nodes) -> bool {
         let ends =
@@ -79,7 +79,7 @@ impl Network {
         }
     }
 
-    /// `AT_REST` and `PLAIN` are those of [`Network::balance`].
+    /// `AT_REST` and `PLAIN`: see [`Network::balance`].
     #[inline(never)]
     fn iterate<const AT_REST: bool, const PLAIN: bool>(
         &mut self,
@@ -137,7 +137,7 @@ impl Network {
         }
     }
 
-    /// The nodes to begin with.
+    /// The nodes to start from.
     #[inline(always)]
     fn begin(&self, around: &Surroundings, nodes: &mut Nodes) {
         let least = pair(NO_FLOW);
@@ -147,8 +147,8 @@ impl Network {
         }
     }
 
-    /// A land that was shut and has opened begins with what its pressures drive through it: from no flow
-    /// at all a square has no slope to follow.
+    /// A land that has just opened starts from the flow that its pressures drive: at zero flow a square has no slope
+    /// to follow.
     #[inline(never)]
     fn begin_from_rest(&self, around: &Surroundings, nodes: &mut Nodes) {
         let supply = Station { exner: pair(self.supply.exner), temperature: self.supply_temperature() };
@@ -167,7 +167,7 @@ impl Network {
         [nodes.supply, nodes.exhaust] = begun;
     }
 
-    /// Applies a correction; true where another one would be no more than the allowed error.
+    /// Applies a correction. Returns true if the next one would be within the allowed error.
     #[inline(always)]
     fn apply<const AT_REST: bool>(
         &self,
@@ -184,7 +184,8 @@ impl Network {
             fixed[2] + change * per_total[2],
         ];
         nodes.temperature = mixture.after::<AT_REST>(supply, exhaust, change);
-        // A pressure that still moves has not arrived, whatever the flows say: between shut lands they say nothing.
+        // While a pressure still moves, the iteration has not converged, whatever the flows say. Between shut lands
+        // they say nothing.
         let arrives = (pair(ARRIVED) * nodes.exner).at_least(exner.abs());
         let half = pair(0.5) * nodes.exner;
         nodes.exner = (nodes.exner + exner).larger(half).smaller(pair(2.0) * nodes.exner);
@@ -217,7 +218,7 @@ mod tests {
     use crate::network::{Laws, PortFlow};
     use proptest::prelude::*;
 
-    /// A network for air with tubes or without, whose air approaches its restrictions at a speed or rests.
+    /// A network for air, with or without tubes, with or without speeds of approach.
     fn network(tube: bool, approach: bool) -> Network {
         let gas = Gas::new(1.4, 286.76);
         let station = |pressure, temperature| Station { exner: gas.exner(pressure), temperature };
@@ -235,7 +236,7 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig { max_global_rejects: 20_000, ..ProptestConfig::with_cases(2000) })]
 
-        /// Both ways to the flows, wherever they begin: the one of the usual pattern, and that of any.
+        /// Both ways to the flows from any start: the usual pattern and the general one.
         #[test]
         fn flows_of_the_usual_pattern_are_those_of_the_general_equations_to_the_last_digits(
             (tube, approach) in (any::<bool>(), any::<bool>()),

@@ -11,12 +11,12 @@ pub(super) fn pair(value: f64) -> Pair {
     Pair::splat(value)
 }
 
-/// What surrounds the nodes.
+/// The surroundings of the nodes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Surroundings {
     pub valve: Conductances<Pair>,
     pub chambers: Station<Pair>,
-    /// Where the port's air goes into the cylinder.
+    /// Whether the port's air flows into the cylinder.
     pub charging: <Pair as Number>::Truth,
     /// Whether a land is shut, without even a clearance.
     pub has_shut_land: bool,
@@ -45,16 +45,16 @@ impl Surroundings {
         Surroundings { valve, chambers, charging: PortFlow::charging(ports), has_shut_land: !open }
     }
 
-    /// Which way the air goes in port `i`.
+    /// The direction of the air in port `i`.
     pub fn port(&self, i: usize) -> PortFlow {
-        // A truth has all its bits set.
+        // A mask that is true has all its bits set.
         match self.charging.lane(i).to_bits() {
             0 => PortFlow::Discharging,
             _ => PortFlow::Charging,
         }
     }
 
-    /// Whether these are pressures, temperatures and areas.
+    /// Whether these are valid pressures, temperatures and areas.
     #[inline(always)]
     pub fn are_in_order(&self) -> bool {
         let (zero, infinity) = (pair(0.0), pair(f64::INFINITY));
@@ -65,7 +65,7 @@ impl Surroundings {
 }
 
 impl PortFlow {
-    /// Of which ports the air goes into the cylinder.
+    /// The ports whose air flows into the cylinder.
     #[inline(always)]
     pub(crate) fn charging(ports: &[PortFlow; 2]) -> <Pair as Number>::Truth {
         Pair::of(|i| f64::from(ports[i] == PortFlow::Charging)).above(pair(0.0))

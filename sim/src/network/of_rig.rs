@@ -28,8 +28,8 @@ impl Network {
         network.beside(vessels(rig, &gas)).with_turbulence(rig.get(&keys::valve::TURBULENCE))
     }
 
-    /// The valve's lands and ports between gauges right at them: another pressure (Pa) at the supply port, no
-    /// tubes, and `port_area` (m^2) where air approaches at its own speed.
+    /// The valve's lands and ports between gauges right at them: another pressure (Pa) at the supply port, no tubes.
+    /// With a `port_area` (m^2) air approaches at its own speed.
     pub fn without_tubes(rig: &Rig, gas: Gas, supply_pa: f64, port_area: Option<f64>) -> Network {
         let supply = Station { exner: gas.exner(supply_pa), ..supply::station(rig, &gas) };
         let exhaust = exhaust::station(rig, &gas);
@@ -38,13 +38,13 @@ impl Network {
     }
 }
 
-/// The laws of the lands; a port is an orifice like that of the supply's lands.
+/// The flow laws of the lands. A port is an orifice like those of the supply's lands.
 fn laws(rig: &Rig) -> Laws {
     let [supply, exhaust] = land_laws(rig);
     Laws { supply, exhaust, port: supply }
 }
 
-/// Which ends no tube joins to the valve. A lagged tube is one.
+/// The ends that no tube joins to the valve. A lagged tube counts as none.
 fn vessels(rig: &Rig, gas: &Gas) -> Vessels {
     let (supply, cylinder) = tubes(rig, gas);
     Vessels { supply: supply.is_none(), chambers: cylinder.is_none() }

@@ -1,17 +1,18 @@
-//! The predictor of Newton's method: where its iteration starts.
+//! The predictor: where Newton's method starts.
 //!
-//! Between two jumps flows change smoothly with time, the smoother where each is taken over the root of its land's
-//! conductance: a flow through a land that is narrow goes with that, and the spool moves faster than pressures do. The
-//! parabola through the last three solutions comes close to the next one, which saves an iteration.
+//! Between two jumps the flows change smoothly with time. They change even more smoothly when each is divided by the
+//! root of its land's conductance, because a flow through a narrow land follows that conductance, and the spool moves
+//! faster than the pressures. A parabola through the last three solutions comes close to the next one and saves an
+//! iteration.
 
 use super::Network;
 use super::nodes::{Nodes, Surroundings, pair};
 use crate::number::{Number, Pair};
 
-/// The farthest extrapolation, over the time span of the three solutions.
+/// Limit of the extrapolation, as a multiple of the time span of the three solutions.
 const MAX_EXTRAPOLATION: f64 = 8.0;
 
-/// w_n of the nodes, and s and e over the roots of their conductances.
+/// w_n of the nodes, and s and e divided by the roots of their conductances.
 type Unknowns = [Pair; 3];
 
 /// The last three solutions, the latest first, at different instants.
@@ -27,8 +28,8 @@ impl Predictor {
     /// Before the first solution.
     pub const UNKNOWN: Predictor = Predictor { at: [0.0; 3], solutions: [[Pair::ZERO; 3]; 3], now: 0.0 };
 
-    /// The solution that the parabola predicts for now, by Newton's divided differences; the last one without three
-    /// solutions close enough.
+    /// The solution that the parabola predicts for now, by Newton's divided differences. Without three solutions
+    /// close enough, the last one.
     #[inline(always)]
     pub fn predict(&self, nodes: &Nodes, around: &Surroundings) -> Nodes {
         let [last, middle, first] = self.at;
@@ -40,7 +41,7 @@ impl Predictor {
         let [supply, exhaust] = roots(around);
         let [a, b, c] = &self.solutions;
         let at = |i: usize| a[i] + pair(rise) * (a[i] - b[i]) - pair(fall) * (b[i] - c[i]);
-        // A land that is shut stays so.
+        // A land that is shut stays shut.
         let flow = |before: Pair, ahead: Pair| Pair::choose(before.simd_eq(Pair::ZERO), Pair::ZERO, ahead);
         Nodes {
             exner: at(0).larger(pair(0.5) * nodes.exner),
@@ -50,7 +51,7 @@ impl Predictor {
         }
     }
 
-    /// What the last difference of the solutions counts `dt` after the last one, and how much less the one before.
+    /// The weights, `dt` after the last solution, of the last difference of the solutions and of the one before.
     #[inline(always)]
     fn weights(&self, dt: f64) -> (f64, f64) {
         let [last, middle, first] = self.at;
@@ -68,7 +69,7 @@ impl Predictor {
         let Nodes { exner, supply, exhaust, .. } = *nodes;
         if self.now != self.at[0] {
             self.at = [self.now, self.at[0], self.at[1]];
-            // Not as a whole, which would take the way over the stack.
+            // One by one: as a whole they would go through the stack.
             self.solutions[2] = self.solutions[1];
             self.solutions[1] = self.solutions[0];
         }
@@ -77,14 +78,14 @@ impl Predictor {
     }
 }
 
-/// Of the conductances of the lands; above zero where one is shut.
+/// The roots of the conductances of the lands; above zero where a land is shut.
 #[inline(always)]
 fn roots(around: &Surroundings) -> [Pair; 2] {
     [around.valve.supply, around.valve.exhaust].map(|land| land.larger(pair(f64::MIN_POSITIVE)).root())
 }
 
 impl Network {
-    /// The nodes among what surrounds them at the instant `t`.
+    /// The nodes in their surroundings at the instant `t`.
     #[inline(always)]
     pub(crate) fn solve_at(&mut self, t: f64, around: &Surroundings) -> Nodes {
         self.predictor.now = t;

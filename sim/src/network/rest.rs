@@ -1,20 +1,19 @@
 //! Newton's method where the air comes to rest.
 //!
-//! A shut chamber that fills has no flow in the end. There a square is flat: from m to a flow m* far
-//! smaller, Newton's method does no better than to halve m, and beyond zero it jumps. With the flow
-//! t = sign sqrt(K/T psi) that the present pressures drive, the secant
-//!
+//! A shut chamber that fills has no flow in the end. There the square is flat: from a flow m towards a far smaller
+//! flow m*, Newton's method can only halve m, and beyond zero it jumps. Let t = sign sqrt(K/T psi) be the flow that
+//! the present pressures drive. The secant
 //! ```text
 //! (m|m| - t|t|) / (m - t) = |m| + |t|                       same direction
 //!                           (m^2 + t^2) / (|m| + |t|)       opposite directions
 //! ```
 //!
-//! leads to t at once, through zero as well, and is the tangent 2|m| at the solution. How near a node
-//! comes to its perturbed runs ends at the last digit of its pressure: flows of 1e-10 kg/s are its rounding.
+//! leads to t at once, through zero as well, and at the solution it is the tangent 2|m|. The pressure of a node can
+//! come no closer to its neighbours than its last digit: this rounding amounts to flows of 1e-10 kg/s.
 //!
-//! Where the valve leaks, a chamber at rest still has air on its way from supply to exhaust, and its flow
-//! follows the pressure with a finite slope. Beside a land that is shut nothing flows in the end, and the
-//! slope would be infinite. There a land's flow is laminar when it is small (EQUATIONS section 3):
+//! If the valve leaks, air still flows past a chamber at rest from supply to exhaust, and this flow follows the
+//! pressure with a finite slope. Beside a land that is shut nothing flows in the end, and the slope would be
+//! infinite. So a small flow through such a land is laminar (EQUATIONS section 3):
 //!
 //! ```text
 //! m sqrt(m^2 + m_l^2) = K/T psi,   m_l a thousandth of the land's choked flow
@@ -24,17 +23,17 @@ use super::nodes::{Nodes, Surroundings};
 use super::{Network, Station};
 use crate::component::valve::flow_law::FlowLaw;
 
-/// Which slopes of a square over its flow Newton's method takes.
+/// The slope of a square over its flow that Newton's method uses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Slope {
-    /// Tangents: from the last solution.
+    /// Tangents: starting from the last solution.
     Tangent,
     /// Secants towards the flow that the present pressures drive: where flows come to rest.
     Secant,
 }
 
-/// kg^2/s^2: what the last digits of the pressures leave open of a squared flow. The ports of drives
-/// choke at 1e-2 kg/s.
+/// kg^2/s^2: the uncertainty of a squared flow from the last digits of the pressures. The ports of drives choke at
+/// 1e-2 kg/s.
 const ROUNDING: f64 = 1e-20;
 
 /// m_l^2 over the square of the land's choked flow.
@@ -50,7 +49,7 @@ impl Slope {
     }
 }
 
-/// Slope of m|m| over m, with the value that it is to come to.
+/// Slope of m|m| over m. `value` is the m|m| to be reached.
 #[inline]
 pub(super) fn square_slope(slopes: Slope, flow: f64, value: f64) -> f64 {
     let size = flow.abs();
@@ -62,9 +61,9 @@ pub(super) fn square_slope(slopes: Slope, flow: f64, value: f64) -> f64 {
     }
 }
 
-/// Residual of a land whose pressures give the signed square `value`, and its slope over the flow. A
-/// land that is shut (a spool without clearance) has no flow, said linearly: squares would leave Newton's
-/// method without a pivot.
+/// Residual of a land whose pressures give the signed square `value`, and its slope over the flow. For a land that is
+/// shut (a spool without clearance) the residual is the flow itself, because a square would leave Newton's method
+/// without a pivot.
 #[inline]
 pub(super) fn land_line(conductance: f64, flow: f64, value: f64, creeping: f64, slopes: Slope) -> (f64, f64) {
     if conductance == 0.0 {
@@ -84,7 +83,7 @@ impl Network {
         CREEPING * conductance / source.temperature * choked
     }
 
-    /// Newton's method by tangents from where the solution is going or was last, else by secants.
+    /// Newton's method: by tangents from the predicted or the last solution, else by secants.
     #[inline(always)]
     pub(super) fn by_newton(&mut self, around: &Surroundings) -> bool {
         let mut nodes = self.predictor.predict(&self.nodes, around);
@@ -97,7 +96,7 @@ impl Network {
         found
     }
 
-    /// The same from where the solution was last.
+    /// The same from the last solution.
     #[cold]
     #[inline(never)]
     fn newton_from_last(&mut self, around: &Surroundings, nodes: &mut Nodes) -> bool {
@@ -108,7 +107,7 @@ impl Network {
     }
 }
 
-/// Whether a correction near rest is no more than rounding.
+/// Whether a correction near rest is only rounding.
 pub(super) fn is_rounding(correction: f64) -> bool {
     correction * correction < ROUNDING
 }

@@ -1,12 +1,12 @@
-//! One restriction of the network, or that of both nodes at once: its squared flow with the slopes that
-//! Newton's method needs, and how the air approaches it.
+//! One restriction of the network, or the same restriction of both nodes at once: its squared flow with the slopes
+//! that Newton's method needs, and the approach of the air.
 
 use super::{Network, PortFlow, Station};
 use crate::component::valve::flow_law::FlowLaw;
 use crate::number::{Number, Pair};
 
-/// A signed square of the flow from a place into a node, with its slopes over both Exner pressures and over
-/// the flow itself (by its speed of approach).
+/// A signed square of the flow from a place into a node, with its slopes over both Exner pressures and over the flow
+/// itself (through its speed of approach).
 pub(super) struct SquareFlow<N = f64> {
     pub value: N,
     pub by_end_state: N,
@@ -14,7 +14,7 @@ pub(super) struct SquareFlow<N = f64> {
     pub by_flow: N,
 }
 
-/// How much approaching raises w and T at a place, with its slopes over w and the flow from there.
+/// The factor by which an approach raises w and T at a place, with its slopes over w and over the flow from there.
 #[derive(Clone, Copy)]
 pub(super) struct Approach<N = f64> {
     pub factor: N,
@@ -22,7 +22,7 @@ pub(super) struct Approach<N = f64> {
     pub by_flow: N,
 }
 
-/// Where air comes from or goes to, as a restriction feels it.
+/// The air in front of or behind a restriction.
 #[derive(Clone, Copy)]
 pub(super) struct EndState<N = f64> {
     /// w.
@@ -49,14 +49,14 @@ pub(super) struct Side {
     pub by_flow: Pair,
 }
 
-/// What approaching makes of w and T at a place.
+/// The effect of an approach on w and T at a place.
 #[inline(always)]
 pub(super) fn factor<N: Number>(approach: &MaybeApproach<N>) -> N {
     approach.as_ref().map_or(N::from(1.0), |approach| approach.factor)
 }
 
 impl Network {
-    /// How the air at a place approaches a restriction that takes `flow` from it.
+    /// The approach of the air at a place to a restriction that takes `flow` from it.
     #[inline(always)]
     pub(super) fn approach<N: Number>(&self, place: &Station<N>, flow: N) -> MaybeApproach<N> {
         if self.mach == 0.0 {
@@ -67,7 +67,7 @@ impl Network {
         let mach_squared = N::from(self.mach) * place.temperature * flux * flux;
         let of_mach = 0.5 * (self.gas.heat_capacity_ratio - 1.0) * self.turbulence_squared;
         let rise = N::from(of_mach) * -(-mach_squared).larger(-one);
-        // Neither of a flow the other way nor of one at the speed of sound.
+        // No slope for a flow in the other direction, or at the speed of sound.
         let bends =
             |slope: N| N::choose(flow.above(zero), N::choose(one.above(mach_squared), slope, zero), zero);
         let twice = N::from(2.0) * rise;
@@ -78,20 +78,20 @@ impl Network {
         })
     }
 
-    /// How the supply's air approaches a land.
+    /// The approach of the supply's air to a land.
     #[inline(always)]
     pub(super) fn supply_approach<N: Number>(&self, supply: &Station<N>, flow: N) -> MaybeApproach<N> {
         if self.vessels.supply { None } else { self.approach(supply, flow) }
     }
 
-    /// How the air of a cylinder approaches its port.
+    /// The approach of the cylinder's air to its port.
     #[inline(always)]
     pub(super) fn port_approach<N: Number>(&self, far: &Station<N>, flow: N) -> MaybeApproach<N> {
         if self.vessels.chambers { None } else { self.approach(far, flow) }
     }
 
-    /// The flow through a restriction from a place, whose air approaches as told, into a node, where air stands
-    /// still. The stagnation pressures decide its direction.
+    /// The flow through a restriction from a place with this approach into a node, where air is at rest. The
+    /// stagnation pressures give its direction.
     #[inline(always)]
     fn restriction<N: Number>(
         &self,
@@ -120,7 +120,7 @@ impl Network {
         let [by_end_state, by_node] = N::either(inward, k * psi.by_upstream, k * psi.by_downstream);
         let square = SquareFlow { value: k * psi.value, by_end_state, by_node, by_flow: N::from(0.0) };
         let Some(approach) = approach else { return square };
-        // Over anything that changes the factor by df: w changes by w df and T by T df.
+        // Over any quantity that changes the factor by df, w changes by w df and T by T df.
         let by_factor = k * (psi.by_upstream * place.exner - psi.value / approach.factor);
         let by_end_state = k * psi.by_upstream * approach.factor + by_factor * approach.by_exner;
         SquareFlow {
@@ -130,7 +130,7 @@ impl Network {
         }
     }
 
-    /// A land with a law from a source to a node.
+    /// A land with a flow law, from a source to a node.
     #[inline(always)]
     pub(super) fn land<N: Number>(
         &self,
@@ -143,8 +143,8 @@ impl Network {
         self.restriction(law, conductance, source, approach, node)
     }
 
-    /// The port from the far end of a tube to its node, whose air has the same temperature: the direction of
-    /// the step tells whose, also a little beyond the reversal.
+    /// The port from the far end of a tube to its node. The air on both sides has the same temperature. The direction
+    /// of the step tells whose air it is, also slightly beyond the reversal.
     #[inline(always)]
     pub(super) fn port<N: Number>(
         &self,
@@ -157,8 +157,8 @@ impl Network {
         self.restriction(&self.laws.port, conductance, far, approach, &near)
     }
 
-    /// The valve's end of a cylinder's tube for a port flow `m` into the cylinder, with the temperature of the air
-    /// in port and tube; `charging` is that of the air that comes from the valve, K.
+    /// w at the valve's end of a cylinder's tube for a port flow `m` into the cylinder, with the temperature of the
+    /// air in port and tube. `charging` is the temperature of the air from the valve, K.
     pub(super) fn port_station(&self, charging: f64, chamber: &Station, port: PortFlow, m: f64) -> Station {
         let temperature = match port {
             PortFlow::Charging => charging,
@@ -168,8 +168,8 @@ impl Network {
         Station { exner: self.cylinder_tube.far_end(&known, -m).exner, temperature }
     }
 
-    /// A flow that a restriction cannot reach, at whatever Mach number it is approached: a bracket's
-    /// end with a sign that rounding cannot turn.
+    /// A flow that a restriction cannot reach, whatever the Mach number of its approach: the end of a bracket, with a
+    /// sign that rounding cannot change.
     pub(super) fn more_than_choked(&self, law: &FlowLaw, conductance: f64, upstream: f64) -> f64 {
         let upstream = 0.5 * (self.gas.heat_capacity_ratio + 1.0) * upstream;
         1.01 * (conductance * law.flow_function(&self.gas, upstream, 0.0).value).sqrt()

@@ -7,19 +7,20 @@ use crate::component::air::Station;
 use crate::component::valve::{Conductances, Valve};
 use crate::number::Pair;
 
-/// After so many failures, with a step ten times shorter each time, the solution that was followed has
-/// come to its end: with upstream Mach numbers a land that is wider than its port has none below M = 1
-/// for large coefficients of discharge. Another one is searched for, and the flows jump to it.
+/// After this many failures, with a step ten times shorter each time, the branch of the solution has ended. With
+/// upstream Mach numbers and large coefficients of discharge, a land wider than its port has no solution below M = 1.
+/// Another solution is searched for, and the flows jump to it.
 const MAX_FAILURES: u32 = 3;
 
-/// The temperature of what goes back through the supply tube depends on the flows and they a little on it.
+/// Passes over the temperature of the air that flows back through the supply tube. It depends on the flows, and they
+/// depend on it a little.
 const MAX_RETURNING_PASSES: u32 = 20;
 
-/// Relative change of that temperature that is none: of the flow, half of it.
+/// A relative change of that temperature below this counts as none; the flow changes by half of it.
 const SAME_TEMPERATURE: f64 = 1e-9;
 
-/// So many solutions in a row that were found, of ten steps, make good for failures before them. Two steps would not
-/// do: they are ever shorter in front of the place where a solution ends.
+/// Failures are forgotten after this many solutions in a row, those of ten steps. Two steps would not do: steps
+/// become ever shorter before the place where a solution ends.
 const CALM: u32 = 60;
 
 impl Network {
@@ -58,7 +59,8 @@ impl Network {
         }
     }
 
-    /// The same where air that goes back through the supply tube is felt there: it has the temperature of the nodes.
+    /// The same where air flows back through the supply tube and its temperature matters: it has the temperature of
+    /// the nodes.
     #[inline(never)]
     pub(super) fn solve_returning(&mut self, around: &Surroundings) -> Nodes {
         let mut nodes = self.solve_once(around);
@@ -82,20 +84,21 @@ impl Network {
         mean_of_inflows(&each).unwrap_or(self.returning)
     }
 
-    /// The nodes with a temperature given of what goes back through the supply tube.
+    /// The nodes for a given temperature of the air that flows back through the supply tube.
     #[inline(always)]
     pub(super) fn solve_once(&mut self, around: &Surroundings) -> Nodes {
         self.work.solutions += 1;
         if !around.are_in_order() {
             return Nodes::NOT_NUMBERS;
         }
-        // Of air that is at rest in front of each restriction there is one solution, wherever it is begun from.
+        // With air at rest in front of each restriction there is one solution, from any start.
         let has_start = self.started || self.mach == 0.0;
         if !(has_start && self.by_newton(around)) {
             (self.failures, self.found) = (self.failures + 1, 0);
-            // Where speeds count, a trial step too large may lead to where there is no solution: it is told so, and the
-            // last solution is not spoilt by it. Air at rest has a solution everywhere: not to have followed it, as where
-            // chambers are at the pressure of the supply and slopes are infinite, says nothing of the step.
+            // With speeds of approach, a trial step that is too large may lead to a place without a solution. It is
+            // told so, and the last solution stays intact. Air at rest has a solution everywhere. If it could not be
+            // followed, as where chambers are at the pressure of the supply and slopes are infinite, that says
+            // nothing about the step.
             let lost = self.mach > 0.0 && !self.far && self.failures < MAX_FAILURES;
             if lost || !self.by_search(around) {
                 return Nodes::NOT_NUMBERS;
@@ -114,8 +117,8 @@ impl Network {
         self.nodes
     }
 
-    /// The solution that air at rest comes to as it begins to move. Where it cannot be followed there: nested
-    /// brackets, sharpened by Newton's method; false where they find nothing.
+    /// The solution that grows out of air at rest. Where it cannot be followed: nested brackets, refined by Newton's
+    /// method. Returns false if they find nothing.
     #[inline(never)]
     pub(super) fn by_search(&mut self, around: &Surroundings) -> bool {
         let last = self.nodes;
@@ -124,7 +127,7 @@ impl Network {
         }
         self.work.bracketed += 1;
         let rests = self.by_brackets(around);
-        // What the brackets found is the answer where Newton's method fails again.
+        // Where Newton's method fails again, the result of the brackets stands.
         let found = self.by_newton(around) || (rests && self.nodes.are_finite());
         if !found {
             self.nodes = last;
@@ -132,7 +135,7 @@ impl Network {
         found
     }
 
-    /// What ports without a node before them take: the air from the land that feeds each.
+    /// The air in ports without a node before them: it comes from the land that feeds each.
     pub(super) fn carried(&self) -> Pair {
         Pair::new(self.nodes.each().map(|node| self.carried_by(&node)))
     }

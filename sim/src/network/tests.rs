@@ -83,7 +83,7 @@ fn the_blocked_port_pressure_at_null_is_0_81_of_the_supply() {
     assert!((low - 475.6e3).abs() < 100.0, "{low}");
 }
 
-/// Once such a search took seven seconds, its half-way point was the answer, and the next instant had its own.
+/// Such a search once took seven seconds. Its half-way point was the answer, and the next instant had another one.
 #[test]
 fn a_search_whose_speeds_of_approach_go_round_and_round_ends_soon_and_finds_nothing() {
     let (gas, network) = network_with(true, true);
@@ -95,7 +95,7 @@ fn a_search_whose_speeds_of_approach_go_round_and_round_ends_soon_and_finds_noth
     assert!(network.work.passes < 40, "{:?}", network.work);
 }
 
-/// Once a trial step with an absurd state spoilt every solution after it.
+/// A trial step with an absurd state once spoilt every solution after it.
 #[test]
 fn a_state_that_is_no_number_does_not_spoil_the_next_solution() {
     let (gas, mut network) = network_with(true, true);
@@ -147,8 +147,8 @@ fn approaching_air_raises_the_flow_as_far_as_the_audit_says() {
     assert!((mach - 0.57).abs() < 0.005, "{mach}");
 }
 
-/// Fig. 7.5 of the thesis: with a flow node the flow saturates beyond the opening at which a land is as
-/// wide as the port; through a single restriction it goes on growing with the area.
+/// Fig. 7.5 of the thesis: with a flow node the flow saturates once a land is as wide as the port. Through a single
+/// restriction it keeps growing with the area.
 #[test]
 fn the_flow_of_a_node_saturates_and_that_of_a_single_restriction_does_not() {
     let flow = |has_node: bool, spool: f64| {
@@ -163,7 +163,7 @@ fn the_flow_of_a_node_saturates_and_that_of_a_single_restriction_does_not() {
     assert!(growth(false) > 1.95, "{}", growth(false));
 }
 
-/// At the null both lands are alike and so are their flows, between the pressures of a blocked port.
+/// At null both lands are equal, and so are their flows, between the pressures of a blocked port.
 #[test]
 fn blocked_port_pressures_cross_at_the_null_where_the_land_flows_are_equal() {
     let node = |spool: f64, port: usize| {

@@ -1,8 +1,8 @@
-//! Newton's method for flows of the usual pattern: from the supply into both nodes, and out of both into the exhaust,
-//! through orifices of which none is shut; no tube's drop depends on the temperature of its air.
+//! Newton's method for flows of the usual pattern: from the supply into both nodes and out of both into the exhaust,
+//! through orifices that are all open. No tube's drop depends on the temperature of its air.
 //!
-//! Then most of what [`super::balance`] asks in general is known. With a = -e, what flows out to the exhaust, and each
-//! line times the temperature of its air:
+//! Most of the general equations of [`super::balance`] are then known. Let a = -e be the flow out to the exhaust.
+//! Each line is multiplied by the temperature of its air:
 //!
 //! ```text
 //! land to the supply    f_s s^2 - K_s/T_s psi(f_s w_sv, w_n) = 0
@@ -10,10 +10,12 @@
 //! port                  T_p m|m| + K_p psi(w_v, w_n) = 0           m = s - a
 //! ```
 //!
-//! Behind a port that gives air back T_b is the temperature f_c T_c of that air; else it is f_s T_s, and d is zero. T_p is
-//! the temperature of the air in the port. The factors f are 1 where air is at rest in front of a restriction.
+//! Behind a port that gives air back, T_b is the temperature f_c T_c of that air. Otherwise it is f_s T_s, and d is
+//! zero. T_p is the temperature of the air in the port. The factors f are 1 where air is at rest in front of a
+//! restriction.
 //!
-//! The pressures behind the tubes depend on the flows: w_sv on M, that of both nodes from the supply, and w_v on m.
+//! The pressures behind the tubes depend on the flows: w_sv on M, the flow of both nodes from the supply, and w_v on
+//! m.
 
 mod approach;
 mod elimination;
@@ -28,17 +30,17 @@ use crate::number::{Number, Pair};
 use approach::Approach;
 use elimination::solve;
 
-/// How far Newton's method came.
+/// The result of Newton's method.
 pub(super) enum Outcome {
-    /// To the flows.
+    /// Converged.
     Found,
-    /// Nowhere: all corrections are used up.
+    /// All corrections are used up.
     Lost,
-    /// To flows of another pattern.
+    /// The flows have another pattern.
     Unusual,
 }
 
-/// What does not change while the flows are looked for.
+/// The constants of one solution.
 struct Known<'a> {
     gas: &'a Gas,
     supply: &'a Station,
@@ -51,7 +53,7 @@ struct Known<'a> {
     supply_land: Pair,
     exhaust_land: Pair,
     port: Pair,
-    /// Where the port's air goes into the cylinder.
+    /// Whether the port's air flows into the cylinder.
     charging: <Pair as Number>::Truth,
     /// (n-1)/2 M^2 P^2/mdot^2 of the supply's air and of the chambers', and (n-1)/2.
     speeds: [Pair; 2],
@@ -66,7 +68,7 @@ struct Unknowns {
     exhaust: Pair,
 }
 
-/// A correction, with that of M, and how the air from supply and chambers approached before it.
+/// A correction, the one of M, and the approach of the air from supply and chambers before it.
 struct Correction {
     change: Unknowns,
     total: Pair,
@@ -74,7 +76,7 @@ struct Correction {
 }
 
 impl Network {
-    /// Leads `nodes` to the solution as long as the flows are of the usual pattern, and tells in how many corrections.
+    /// Leads `nodes` to the solution while the flows keep the usual pattern. Returns the number of corrections.
     #[inline(always)]
     pub(super) fn newton_of_usual<const AT_REST: bool>(
         &self,
@@ -104,7 +106,7 @@ impl Network {
         (outcome, corrections)
     }
 
-    /// None where the flows cannot be of the usual pattern.
+    /// None if the flows cannot have the usual pattern.
     #[inline(always)]
     fn known<'a>(&'a self, around: &'a Surroundings) -> Option<Known<'a>> {
         let at_sound = 0.5 * (self.gas.heat_capacity_ratio - 1.0) * self.turbulence_squared;
@@ -129,7 +131,7 @@ impl Network {
 }
 
 impl Known<'_> {
-    /// The correction of the unknowns; None where the flows are not of the usual pattern.
+    /// The correction of the unknowns; None if the flows do not have the usual pattern.
     #[inline(always)]
     fn correction<const AT_REST: bool>(&self, at: &Unknowns) -> Option<Correction> {
         let Unknowns { exner: w, supply: s, exhaust: e } = *at;
@@ -152,13 +154,13 @@ impl Known<'_> {
         Some(Correction { change, total, approaches })
     }
 
-    /// Where the air behind a port goes to the exhaust, by the flow out of the chamber.
+    /// Where the air from behind a port goes to the exhaust, by the flow out of the chamber.
     #[inline(always)]
     fn gives_back(&self, back: Pair) -> <Pair as Number>::Truth {
         Pair::choose(self.charging, pair(0.0), back).above(pair(0.0))
     }
 
-    /// f_s T_s, which air that charges carries on, and T_n, both after the last correction, K.
+    /// f_s T_s, the temperature of the air that charges, and T_n, both after the last correction, K.
     #[inline(always)]
     fn temperatures<const AT_REST: bool>(&self, at: &Unknowns, correction: &Correction) -> [Pair; 2] {
         let Correction { change, total, approaches: [supply, chamber] } = correction;
@@ -174,14 +176,14 @@ impl Known<'_> {
     }
 }
 
-/// w behind a tube over that in front of it; a tube that is none takes no time.
+/// w behind a tube over w in front of it; 1 without a tube, at no cost.
 #[inline(always)]
 fn fall<N: Number>(decay: f64, flow: N) -> N {
     if decay == 0.0 { N::from(1.0) } else { (N::from(decay) * flow).exponential() }
 }
 
 impl Unknowns {
-    /// Whether another correction than this would be no more than the allowed error of a flow.
+    /// Whether the next correction would be within the allowed error of a flow.
     #[inline(always)]
     fn settle(&self, change: &Unknowns, error: Pair) -> bool {
         let small = |flow: Pair, change: Pair| {
@@ -193,7 +195,7 @@ impl Unknowns {
         Pair::all(flows & (pair(ARRIVED) * self.exner).at_least(change.exner.abs()))
     }
 
-    /// The unknowns after a change, of which no w follows more than its half.
+    /// The unknowns after a correction. Unless the flows are found, no w goes below half or above twice its value.
     #[inline(always)]
     fn after(&self, change: &Unknowns, found: bool) -> Unknowns {
         let mut exner = self.exner + change.exner;

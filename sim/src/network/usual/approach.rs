@@ -1,5 +1,5 @@
-//! How air that flows to a restriction is raised by its speed, as [`crate::network`] says it: for air P^2 is w^7, and
-//! behind a tube w goes with exp(decay mdot).
+//! The effect of the speed of approach, as [`crate::network`] defines it. For air P^2 is w^7, and behind a tube w
+//! goes with exp(decay mdot).
 //!
 //! ```text
 //! f = 1 + (n-1)/2 min(1, R T mdot^2/(n A_p^2 P^2))
@@ -9,7 +9,7 @@ use super::Known;
 use crate::network::nodes::pair;
 use crate::number::{Number, Pair};
 
-/// f, its slope over the flow that approaches, and that over the flow in the tube by way of the pressure.
+/// f, its slope over the flow that approaches, and its slope over the flow in the tube through the pressure.
 #[derive(Clone, Copy)]
 pub(super) struct Approach {
     pub factor: Pair,
@@ -18,13 +18,13 @@ pub(super) struct Approach {
 }
 
 impl Known<'_> {
-    /// That of the air in front of the lands, at w = `ahead`.
+    /// For the air in front of the lands, at w = `ahead`.
     #[inline(always)]
     pub fn approach_to_lands(&self, ahead: Pair, flow: Pair) -> Approach {
         self.approach(self.speeds[0], ahead, flow, self.decays[0])
     }
 
-    /// That of the air which a chamber gives back, at w = `behind`.
+    /// For the air that a chamber gives back, at w = `behind`.
     #[inline(always)]
     pub fn approach_to_port(&self, behind: Pair, back: Pair) -> Approach {
         self.approach(self.speeds[1], behind, back, self.decays[1]).only(back.above(pair(0.0)))
@@ -45,10 +45,10 @@ impl Known<'_> {
 }
 
 impl Approach {
-    /// Of air at rest.
+    /// For air at rest.
     pub const NONE: Approach = Approach { factor: Pair::ONE, by_flow: Pair::ZERO, by_tube: Pair::ZERO };
 
-    /// The same where `truth` holds, and at rest elsewhere.
+    /// The same where `truth` holds; air at rest elsewhere.
     #[inline(always)]
     pub fn only(self, truth: <Pair as Number>::Truth) -> Approach {
         Approach {
@@ -58,7 +58,7 @@ impl Approach {
         }
     }
 
-    /// f after changes of the flow that approaches and of that in the tube.
+    /// f after changes of the flow that approaches and of the flow in the tube.
     #[inline(always)]
     pub fn after(&self, flow: Pair, tube: Pair) -> Pair {
         self.factor + self.by_flow * flow + self.by_tube * tube

@@ -1,5 +1,4 @@
-//! The elimination of a node's unknowns from its three lines, by Cramer's rule with the first one divided by its slope
-//! over s:
+//! Eliminates a node's unknowns from its three lines by Cramer's rule. The first line is divided by its slope over s:
 //!
 //! ```text
 //! alpha dw +       ds         = -(rho + tau dM)
@@ -15,14 +14,14 @@ use crate::number::Pair;
 /// The numerators of dw, ds and dm.
 type Numerators = [Pair; 3];
 
-/// Both nodes' changes, and that of M. The determinants are below zero where air flows.
+/// The changes of both nodes, and of M. The determinants are below zero where air flows.
 #[inline(always)]
 pub(super) fn solve<const AT_REST: bool>([land, exhaust, port]: &[Line; 3]) -> (Unknowns, Pair) {
     let per_supply = pair(1.0) / land.by_supply;
     let [rho, alpha, tau] = [land.residual, land.by_exner, land.by_total].map(|part| part * per_supply);
     let (g, sigma, b) = (exhaust.by_exner, exhaust.by_supply, exhaust.by_flow);
     let (c, p, q) = (port.by_exner, port.by_supply, port.by_flow);
-    // Of air at rest the port does not feel s: p is zero, and so are v_2 and v_3.
+    // For air at rest the port does not depend on s: p is zero, and so are v_2 and v_3.
     let minors = match AT_REST {
         true => [sigma * q, g * q - b * c, -(sigma * c)],
         false => [sigma * q - b * p, g * q - b * c, g * p - sigma * c],
@@ -53,7 +52,7 @@ pub(super) fn solve<const AT_REST: bool>([land, exhaust, port]: &[Line; 3]) -> (
     (Unknowns { exner, supply, exhaust: flow - supply }, total)
 }
 
-/// Those of right sides: `first` of the first line, and what the other two make of w and m.
+/// The numerators for right sides: `first` of the first line, and the parts of the other two in w and m.
 #[inline(always)]
 fn numerators(first: Pair, alpha: Pair, minors: &[Pair; 3], [into_node, port]: [Pair; 2]) -> Numerators {
     [first * minors[0] - into_node, alpha * into_node - first * minors[1], first * minors[2] + port]

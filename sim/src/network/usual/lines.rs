@@ -6,7 +6,7 @@ use crate::component::gas::FlowFunction;
 use crate::network::nodes::pair;
 use crate::number::{Number, Pair};
 
-/// What is left of a line, and its slopes over w_n, over s, over m, and over M.
+/// The residual of a line, and its slopes over w_n, s, m and M.
 pub(super) struct Line {
     pub residual: Pair,
     pub by_exner: Pair,
@@ -47,7 +47,7 @@ impl Known<'_> {
         }
     }
 
-    /// The land to the exhaust; over s at a fixed m, with which a changes.
+    /// The land to the exhaust. Its slope over s is at a fixed m, so a changes with s.
     #[inline(always)]
     pub fn exhaust_line<const AT_REST: bool>(
         &self,
@@ -83,7 +83,7 @@ impl Known<'_> {
         }
     }
 
-    /// The port; `behind` is w at the valve's end of its tube, `back` the flow out of that.
+    /// The port. `behind` is w at the valve's end of its tube, `back` the flow out of that tube.
     #[inline(always)]
     pub fn port_line<const AT_REST: bool>(
         &self,
@@ -132,7 +132,7 @@ impl Known<'_> {
         }
     }
 
-    /// The squared flow between these sides, above zero where it goes `inward`, out of the tube; its slopes over w at the
+    /// The squared flow between these sides, positive for `inward` flow out of the tube, and its slopes over w at the
     /// tube's end and in the node.
     #[inline(always)]
     fn flow_of_port(
