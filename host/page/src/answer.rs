@@ -1,4 +1,4 @@
-//! Which request is answered by what.
+//! Dispatches requests to their answers.
 
 use http::StatusCode;
 use serde::de::DeserializeOwned;
@@ -9,22 +9,23 @@ use crate::rigs::Opened;
 use crate::study::{self, Study};
 use crate::{check, compare, difference, keys, rigs, simulation, spectrum};
 
-/// What a page is given.
+/// An answer to the page.
 #[derive(Clone, Debug)]
 pub enum Answer {
     /// Words and figures.
     Json(Value),
-    /// Numbers over time, as [`columns`](crate::columns) lays them out.
+    /// Numbers over time, in the layout of [`columns`](crate::columns).
     Columns(Vec<u8>),
 }
 
-/// Requests that bring a rig, and need nothing but their own answer: no server, no file.
-pub const REQUESTS: [&str; 7] = ["check", "run", "ensemble", "compare", "spectrum", "difference", "plan"];
+/// Requests that bring a rig and need nothing else: no server, no file.
+pub const REQUESTS: [&str; 7] = ["check", "run", "neighbours", "compare", "spectrum", "difference", "plan"];
 
-/// Answers a request: `keys`, `choices`, `rig`, `written`, or one of [`REQUESTS`]. Long work is given up when it is `wanted` no more.
+/// Answers a request: `keys`, `choices`, `rig`, `written`, or one of [`REQUESTS`]. Long work is cancelled when
+/// `wanted` becomes false.
 ///
 /// # Errors
-/// With the reason why it is not carried out: not found, malformed, or a rig that is wrong.
+/// The reason why it is not carried out: not found, malformed, or an invalid rig.
 pub fn answer(request: &str, body: &Value, wanted: &(dyn Fn() -> bool + Sync)) -> Result<Answer, Refusal> {
     match request {
         "keys" => Ok(Answer::Json(keys::table())),

@@ -1,17 +1,17 @@
-//! What a request brings: a rig file, and what was changed on the page.
+//! The content of a request: a rig file, and the changes made on the page.
 
 use pneudrive_sim::Rig;
 use pneudrive_sim::rig::Problems;
 use serde::Deserialize;
 
-/// A rig as the page has it.
+/// A rig on the page.
 #[derive(Clone, Debug, Deserialize)]
 pub struct Asked {
     /// Name of the rig file or of the built-in rig, for messages.
     pub name: String,
     /// The rig file as it was opened.
     pub text: String,
-    /// What was changed since: `key=value`, as `--set` takes it.
+    /// The changes since: `key=value`, as for `--set`.
     #[serde(default)]
     pub settings: Vec<String>,
 }
@@ -31,14 +31,14 @@ impl Asked {
         self.command("simulate", "--out sim")
     }
 
-    /// The command line that does something else with it; `rest` stands behind the rig and its settings.
+    /// The command line of another command for this rig; `rest` follows the rig and its settings.
     pub(crate) fn command(&self, name: &str, rest: &str) -> String {
         let settings = self.settings.iter().map(|setting| format!(" --set {}", quoted(setting)));
         format!("pneudrive {name} {}{} {rest}", quoted(&self.name), settings.collect::<String>())
     }
 }
 
-/// A word as a POSIX shell takes it.
+/// A word, quoted for a POSIX shell.
 pub(crate) fn quoted(word: &str) -> String {
     let plain = |letter: char| letter.is_ascii_alphanumeric() || "-_./=+:,@%".contains(letter);
     if !word.is_empty() && word.chars().all(plain) {

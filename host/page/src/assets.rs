@@ -1,4 +1,4 @@
-//! The files of the page, embedded in the program: it works offline.
+//! The files of the page, embedded in the program, so that it works offline.
 
 const HTML: &str = "text/html; charset=utf-8";
 const CSS: &str = "text/css; charset=utf-8";

@@ -1,4 +1,4 @@
-//! A rig held against the table of keys, as one types.
+//! Checks a rig against the table of keys while the user types.
 
 use pneudrive_design::values;
 use pneudrive_sim::Rig;
@@ -8,8 +8,8 @@ use serde_json::{Map, Value, json};
 use crate::asked::Asked;
 use crate::refusal;
 
-/// What is wrong with a rig, each problem at its key; of a valid one its values, where they come from, and the keys that its
-/// models use.
+/// The problems of a rig, each at its key. For a valid rig: its values, their origins, and the keys that its models
+/// use.
 #[must_use]
 pub fn answer(asked: &Asked) -> Value {
     match asked.rig() {

@@ -1,36 +1,36 @@
-//! Columns of numbers as bytes, for an `ArrayBuffer` of the page.
+//! Columns of numbers as bytes, for an `ArrayBuffer` on the page.
 //!
 //! ```text
 //! u32   length of the head, little-endian, as all numbers here
 //! head  JSON, filled up with spaces to the next multiple of 8 bytes of the whole
 //! f64   the first column, the time: exact
-//! f32   the others, one after the other: 24 bits, more than any screen has
+//! f32   the others, one after the other: 24 bits, more than any screen shows
 //! ```
 
 use serde_json::{Value, json};
 
-/// Numbers over time, with what is known of them.
+/// Numbers over time, with their description.
 #[derive(Clone, Debug)]
 pub struct Columns {
     /// s.
     pub time: Vec<f64>,
-    /// Name and unit of each of the others, and its numbers.
+    /// Name, unit and numbers of each other column.
     pub columns: Vec<Column>,
 }
 
 /// A channel over time.
 #[derive(Clone, Debug)]
 pub struct Column {
-    /// As the page knows it.
+    /// The page's name for it.
     pub name: &'static str,
-    /// As it is shown.
+    /// The displayed unit.
     pub unit: &'static str,
     /// As many as there are times.
     pub values: Vec<f32>,
 }
 
 impl Columns {
-    /// The bytes; `head` is an object, to which the list of columns is added.
+    /// The bytes. `head` is an object; the list of columns is added to it.
     #[must_use]
     pub fn to_bytes(&self, mut head: Value) -> Vec<u8> {
         head["rows"] = json!(self.time.len());

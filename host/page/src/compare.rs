@@ -1,5 +1,5 @@
-//! A TARGET file or a run folder laid over the run of the page, aligned if that is asked for, with their deviation: what
-//! `overlay` does.
+//! Overlays a TARGET file or a run folder on the page's run, aligned if requested, with the deviation, as `overlay`
+//! does.
 
 use pneudrive_evaluate::alignment::Align;
 use pneudrive_evaluate::deviation::{deviations, table};
@@ -25,7 +25,7 @@ pub struct Compared {
     align: Align,
 }
 
-/// How a page names the ways of aligning.
+/// The page's names of the alignments.
 #[derive(Deserialize)]
 #[serde(remote = "Align", rename_all = "lowercase")]
 enum AlignName {
@@ -34,7 +34,7 @@ enum AlignName {
     Correlation,
 }
 
-/// What lies over a run.
+/// The record over a run.
 #[derive(Debug, Deserialize)]
 pub(crate) struct Record {
     /// The name of the file or of the folder.
@@ -56,7 +56,7 @@ impl Record {
     /// Its transient.
     ///
     /// # Errors
-    /// When the file or the folder is damaged or is none.
+    /// When the file or folder is damaged, or is of another kind.
     pub(crate) fn transient(&self) -> Result<Transient, Refusal> {
         match &self.content {
             Content::File { .. } => {
@@ -71,7 +71,7 @@ impl Record {
         }
     }
 
-    /// Its name; of a run folder with the rig whose run it is, as its run.json has it.
+    /// Its name. A run folder also has the name of its rig, from its run.json.
     fn title(&self) -> String {
         let Content::Folder { run_json, .. } = &self.content else { return self.name.clone() };
         let description: Option<Value> = serde_json::from_str(run_json).ok();
@@ -79,10 +79,10 @@ impl Record {
         rig.map_or_else(|| self.name.clone(), |rig| format!("{}, a run of {rig}", self.name))
     }
 
-    /// Its file, as a rig has recorded it.
+    /// The file as a rig has recorded it.
     ///
     /// # Errors
-    /// When it is damaged, or a simulated run.
+    /// When it is damaged, or is a simulated run.
     pub(crate) fn target(&self) -> Result<TargetFile, Refusal> {
         match &self.content {
             Content::File { text } => TargetFile::from_text(text)
@@ -94,10 +94,10 @@ impl Record {
     }
 }
 
-/// The curves of the record, shifted to lie over the simulation, and how far the simulation is from them.
+/// The curves of the record, shifted to lie over the simulation, and the deviation of the simulation from them.
 ///
 /// # Errors
-/// When the file is damaged or is none, when the two cannot be aligned, or when the rig cannot be simulated.
+/// When the file is damaged or of another kind, the two cannot be aligned, or the rig cannot be simulated.
 pub fn answer(Compared { asked, record, align }: &Compared) -> Result<Vec<u8>, Refusal> {
     let mut recorded = record.transient()?;
     let simulated = simulated(asked)?;

@@ -1,4 +1,4 @@
-//! Two rigs, key by key: what `rig diff` does.
+//! Compares two rigs key by key, as `rig diff` does.
 
 use pneudrive_design::difference::{Difference, differences};
 use pneudrive_design::values::value_to_json;
@@ -11,7 +11,7 @@ use crate::asked::Asked;
 use crate::refusal::Refusal;
 use crate::rigs::Opened;
 
-/// The rig of the page, and another.
+/// The rig of the page, and another one.
 #[derive(Debug, Deserialize)]
 pub struct Differing {
     #[serde(flatten)]
@@ -19,10 +19,10 @@ pub struct Differing {
     other: Opened,
 }
 
-/// Where the two differ, in the order of `rig explain`.
+/// The keys that differ, in the order of `rig explain`.
 ///
 /// # Errors
-/// With every problem of the rig that is not valid.
+/// Every problem of the rig that is not valid.
 pub fn answer(Differing { asked, other }: &Differing) -> Result<Value, Refusal> {
     let rig = asked.rig()?;
     let other = Rig::read(&other.name, &other.text)?;

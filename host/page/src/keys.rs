@@ -1,4 +1,4 @@
-//! The table of keys as JSON: the one that `rig explain` prints.
+//! The table of keys as JSON, the same as `rig explain` prints.
 
 use pneudrive_sim::rig::{Key, Kind, all_keys, chooser, preset_in_words, range_in_words, unit};
 use serde_json::{Value, json};
@@ -16,7 +16,7 @@ fn one(key: &'static Key) -> Value {
         "path": key.path,
         "table": table,
         "name": stem.replace('_', " "),
-        // With another unit behind the number, a key is spelled without its own.
+        // With another unit after the number, a key is written without its own.
         "stem": if table.is_empty() { stem.to_owned() } else { format!("{table}.{stem}") },
         "unit": unit,
         "meaning": key.meaning,

@@ -1,4 +1,4 @@
-//! The page of the studio, and the answers to what it asks.
+//! The page of the studio, and the answers to its requests.
 //!
 //! ```text
 //! page (web/*.js)  ->  request  ->  rig file + settings  ->  simulation  ->  columns of numbers  ->  page
@@ -11,15 +11,15 @@
 //! | module | holds |
 //! |---|---|
 //! | [`assets`] | the files of the page |
-//! | [`answer`](mod@answer) | which request is answered by what |
-//! | [`asked`], [`refusal`] | what a request brings, and how it is refused |
-//! | [`keys`], [`check`] | the table of keys, and a rig held against it: those of `rig explain` and `rig check` |
-//! | [`rigs`] | the rigs that come with the program, and the text of one that is saved |
-//! | [`simulation`], [`columns`] | a run, its perturbed runs, and their numbers as bytes: those of `simulate` |
-//! | [`compare`] | a record laid over the run of the page: `overlay` |
-//! | [`spectrum`] | which frequencies a channel of the run or of the record holds: `spectrum` |
-//! | [`difference`] | the rig of the page and another, key by key: `rig diff` |
-//! | [`study`] | long work on the rig of the page: `sweep`, `tune`, `identify` |
+//! | [`answer`](mod@answer) | dispatches requests to their answers |
+//! | [`asked`], [`refusal`] | the content of a request, and refusals |
+//! | [`keys`], [`check`] | the table of keys, and the check of a rig: `rig explain` and `rig check` |
+//! | [`rigs`] | the built-in rigs, and the text of a saved one |
+//! | [`simulation`], [`columns`] | a run, its perturbed runs, and their numbers as bytes: `simulate` |
+//! | [`compare`] | overlays a record on the page's run: `overlay` |
+//! | [`spectrum`] | the spectrum of a channel of the run or the record: `spectrum` |
+//! | [`difference`] | compares the page's rig with another, key by key: `rig diff` |
+//! | [`study`] | long work on the page's rig: `sweep`, `tune`, `identify` |
 
 #![forbid(unsafe_code)]
 

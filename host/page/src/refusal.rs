@@ -1,18 +1,18 @@
-//! How a request is refused: a status, and JSON that says why.
+//! Refusals of requests: a status, and JSON with the reason.
 
 use http::StatusCode;
 use pneudrive_evaluate::wanted::CalledOff;
 use pneudrive_sim::rig::Problems;
 use serde_json::{Value, json};
 
-/// A request that is not carried out.
+/// A refused request.
 #[derive(Debug)]
 pub struct Refusal {
-    /// Why, as HTTP has it.
+    /// The HTTP status.
     pub status: StatusCode,
-    /// Why, in words.
+    /// The reason in words.
     pub message: String,
-    /// What is wrong with the rig, if that is why.
+    /// The problems of the rig, if they are the reason.
     pub problems: Vec<Value>,
 }
 
@@ -23,19 +23,19 @@ impl Refusal {
         Refusal { status, message: message.into(), problems: Vec::new() }
     }
 
-    /// A request for something that cannot be.
+    /// A request that cannot be fulfilled.
     #[must_use]
     pub fn wrong(message: impl Into<String>) -> Refusal {
         Refusal::new(StatusCode::UNPROCESSABLE_ENTITY, message)
     }
 
-    /// A request that is no JSON, or not of its form.
+    /// A request that is not JSON, or not of its form.
     #[must_use]
     pub fn malformed(error: &serde_json::Error) -> Refusal {
         Refusal::new(StatusCode::BAD_REQUEST, format!("the request cannot be read: {error}"))
     }
 
-    /// A request that its page waits for no more.
+    /// A request that its page no longer waits for.
     #[must_use]
     pub fn gone() -> Refusal {
         Refusal::new(StatusCode::GONE, "the page has gone on")
@@ -53,14 +53,14 @@ impl Refusal {
         json!({ "error": self.message, "problems": self.problems })
     }
 
-    /// Something that could not be done.
+    /// A failure while carrying out a request.
     #[must_use]
     pub fn of(error: &anyhow::Error) -> Refusal {
         Refusal::new(StatusCode::INTERNAL_SERVER_ERROR, format!("{error:#}"))
     }
 }
 
-/// A rig that does not exist: each problem at its key.
+/// An invalid rig: each problem at its key.
 impl From<Problems> for Refusal {
     fn from(problems: Problems) -> Refusal {
         let message = problems.to_string();
@@ -68,7 +68,7 @@ impl From<Problems> for Refusal {
     }
 }
 
-/// Problems as the page shows them, each at its field.
+/// Problems, each for its field on the page.
 #[must_use]
 pub fn to_json(problems: &Problems) -> Vec<Value> {
     let one = |problem: &pneudrive_sim::rig::Problem| json!({ "key": problem.key, "line": problem.line, "message": problem.message });

@@ -1,4 +1,4 @@
-//! The rigs that come with the program, and the text of one that is saved.
+//! The built-in rigs, and the text of a saved one.
 
 use http::StatusCode;
 use pneudrive_records::rig_text;
@@ -10,17 +10,17 @@ use serde_json::{Value, json};
 use crate::asked::Asked;
 use crate::refusal::Refusal;
 
-/// A rig file that the page begins with.
+/// A rig file that the page can begin with.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 pub struct Opened {
-    /// As the command line names it.
+    /// Its name on the command line.
     pub name: String,
     /// The text.
     pub text: String,
 }
 
 impl Opened {
-    /// A rig that comes with the program.
+    /// A built-in rig.
     ///
     /// # Errors
     /// When there is none of that name.
@@ -31,7 +31,7 @@ impl Opened {
     }
 }
 
-/// The rigs that come with the program, and the one that was opened.
+/// The built-in rigs, and the one that was opened.
 #[must_use]
 pub fn list(opened: &Opened) -> Value {
     let about = |text: &str| text.lines().next().unwrap_or("").trim_start_matches("# ").to_owned();
@@ -52,7 +52,7 @@ pub struct ToSave {
     pub replace: bool,
 }
 
-/// The file that was opened, with the settings in the places of the old values, all other lines kept.
+/// The opened file, with the settings in place of the old values and all other lines kept.
 ///
 /// # Errors
 /// When the rig is not valid.
@@ -61,7 +61,7 @@ pub fn text_to_save(asked: &Asked, file: &str) -> Result<String, Refusal> {
     let settings = in_key_units(asked, &rig);
     let text = rig_text::with_settings(&asked.text, &settings, "given: set in the studio");
     let text = text.map_err(|error| Refusal::of(&error))?;
-    // What is written is what was shown.
+    // The written file is the one that was shown.
     Rig::read(file, &text)?;
     Ok(text)
 }

@@ -1,4 +1,4 @@
-//! A rig simulated while one drags a slider: first the run alone, then the run with its perturbed runs.
+//! Simulates a rig while the user drags a slider: first the run alone, then its perturbed runs.
 
 use http::StatusCode;
 use pneudrive_evaluate::evaluation::{Move, TOLERANCE_MM, moves_of_run, remarks, table};
@@ -18,10 +18,10 @@ use crate::asked::Asked;
 use crate::columns::{Column, Columns};
 use crate::refusal::Refusal;
 
-/// The longest run that is made while a page waits, samples: a second or two.
-pub const MAX_SAMPLES: u32 = 200_000;
+/// The longest run while a page waits, samples: a second or two.
+pub const MOST_SAMPLES: u32 = 200_000;
 
-/// What a page draws: its name, its unit, the column of trace.csv that it is made of, and the factor between them; 0 for the
+/// A curve of the page: its name, its unit, its column of trace.csv, and the factor between them; 0 stands for the
 /// length of a count, mm.
 const CURVES: [(&str, &str, &str, f64); 16] = [
     ("setpoint", "mm", "setpoint_counts", 0.0),
@@ -59,7 +59,8 @@ pub fn nominal(asked: &Asked) -> Result<Vec<u8>, Refusal> {
     Ok(curves(&rig, &run).to_bytes(head))
 }
 
-/// The run with its perturbed runs: what they cover, and whether the run is converged. Given up when it is `wanted` no more.
+/// The run with its perturbed runs: the range that they cover, and whether the run has converged. Cancelled when
+/// `wanted` becomes false.
 ///
 /// # Errors
 /// As [`nominal`]; when nobody waits for it any more.
@@ -72,7 +73,7 @@ pub fn members(asked: &Asked, wanted: &(dyn Fn() -> bool + Sync)) -> Result<Vec<
     Ok(band(&rig, &ensemble))
 }
 
-/// The rig of a page, if it can be simulated while one waits.
+/// The rig of a page, if its run is short enough for the page to wait.
 pub(crate) fn rig_of(asked: &Asked) -> Result<Rig, Refusal> {
     let rig = asked.rig()?;
     if rig.last_sample() > MAX_SAMPLES {
@@ -104,7 +105,7 @@ fn curves(rig: &Rig, run: &Run) -> Columns {
     Columns { time: run.rows.iter().map(|row| row.time).collect(), columns: columns.collect() }
 }
 
-/// The fault that ended a run: when, and what it means.
+/// The fault that ended a run: its time and meaning.
 fn fault(rig: &Rig, run: &Run) -> Value {
     run.fault.map_or(Value::Null, |(fault, sample)| {
         let at_s = f64::from(sample) * f64::from(rig.period_us().get()) / 1e6;
@@ -116,12 +117,12 @@ fn fault(rig: &Rig, run: &Run) -> Value {
     })
 }
 
-/// A table as the page shows it.
+/// A table for the page.
 pub(crate) fn to_json(table: &Table) -> Value {
     json!({ "heading": table.heading, "columns": table.columns, "rows": table.rows })
 }
 
-/// What a run and its perturbed runs cover, and what its figures rest on.
+/// The range of a run and its perturbed runs, and the basis of its figures.
 fn band(rig: &Rig, ensemble: &Ensemble<Vec<Move>>) -> Vec<u8> {
     let judged = &ensemble.nominal;
     let head = json!({
@@ -137,7 +138,7 @@ fn band(rig: &Rig, ensemble: &Ensemble<Vec<Move>>) -> Vec<u8> {
         .to_bytes(head)
 }
 
-/// Lowest and highest values; the lowest of a channel stand before its highest.
+/// Lowest and highest values; the lowest of a channel precede its highest.
 fn edges(band: &Band) -> Columns {
     let drawn = CURVES.iter().filter(|(_, _, column, _)| CHANNELS.contains(column));
     let columns = drawn.flat_map(|&(name, unit, column, factor)| {

@@ -1,4 +1,4 @@
-//! Which frequencies a channel holds, of the run of the page or of a record that lies over it: what `spectrum` does.
+//! The spectrum of a channel, of the page's run or of a record over it, as `spectrum` shows it.
 
 use pneudrive_evaluate::channel::Channel;
 use pneudrive_evaluate::spectrum::{Peak, Spectrum, Window};
@@ -16,7 +16,7 @@ use crate::simulation::to_json;
 /// Peaks in the table.
 const PEAKS: usize = 8;
 
-/// A channel of a transient, and the part of it that is in view.
+/// A channel of a transient, and the visible part of it.
 #[derive(Debug, Deserialize)]
 pub struct Transformed {
     #[serde(flatten)]
@@ -29,7 +29,7 @@ pub struct Transformed {
     to_s: f64,
 }
 
-/// Amplitude over frequency, Hz in the place of the time, with a Hann window; and the highest peaks.
+/// Amplitude over frequency, Hz in place of the time, with a Hann window; and the highest peaks.
 ///
 /// # Errors
 /// When there is no such channel, when samples are missing, or as [`compare`](crate::compare).
@@ -59,7 +59,7 @@ pub fn answer(transformed: &Transformed) -> Result<Vec<u8>, Refusal> {
     Ok(columns(channel, &spectrum).to_bytes(head))
 }
 
-/// Refuses a part with a gap, or with fewer samples than have a spectrum.
+/// Refuses a part with a gap, or with too few samples for a spectrum.
 fn whole(part: &Transient) -> Result<Transient, Refusal> {
     if let Some([before, after]) = part.gaps.first() {
         return Err(Refusal::wrong(format!(

@@ -1,12 +1,12 @@
-//! Studies of the rig of the page: what `sweep`, `tune` and `identify` do, with their figures, and the command line of each.
+//! Studies of the page's rig: `sweep`, `tune` and `identify` with their figures, and the command line of each.
 //!
 //! ```text
 //! plan(study)  ->  command line, size of the work, and what is wrong with it: as one types
 //! work(study)  ->  progress ... progress  ->  { "result", "page", "settings" }
 //! ```
 //!
-//! `result` is that of the command's `--json` (docs/json.md), `page` holds the notes, tables and graphs of its page, and
-//! `settings` are what a user may take over, as `key=value`.
+//! `result` is the document of the command's `--json` (docs/json.md). `page` holds the notes, tables and graphs of
+//! its page. `settings` are values that the user may take over, as `key=value`.
 
 mod exhibit;
 mod identify;
@@ -20,11 +20,11 @@ use serde_json::{Value, json};
 
 use crate::refusal::Refusal;
 
-/// What is to be done.
+/// A study.
 #[derive(Debug, Deserialize)]
 #[serde(tag = "study", rename_all = "kebab-case")]
 pub enum Study {
-    /// Keys vary, figures of the moves are collected.
+    /// Keys vary, and figures of the moves are collected.
     Sweep(sweep::Asks),
     /// Gains for a step.
     Tune(tune::Asks),
@@ -32,27 +32,27 @@ pub enum Study {
     Identify(identify::Asks),
 }
 
-/// Who waits for a study.
+/// The page that waits for a study.
 pub struct Audience<'a> {
-    /// Hears how far it is: `what` is done, how much of it, of how much; 0 of 0 where nobody knows.
+    /// Receives the progress: the task, how much is done, and of how much; 0 of 0 if nobody knows.
     pub hears: &'a mut (dyn FnMut(Value) + Send),
-    /// Whether it waits: once it does not, no more runs are begun.
+    /// Whether it still waits. Once it does not, no more runs begin.
     pub waits: &'a (dyn Fn() -> bool + Sync),
 }
 
 impl Study {
-    /// Reads what a page asks for.
+    /// Reads a request for a study.
     ///
     /// # Errors
-    /// When it is no study.
+    /// When it is not a study.
     pub fn read(body: &Value) -> Result<Study, Refusal> {
         Study::deserialize(body).map_err(|error| Refusal::wrong(error.to_string()))
     }
 
-    /// What would be done: the command line that does the same, and the size of the work.
+    /// The plan: the equivalent command line, and the size of the work.
     ///
     /// # Errors
-    /// With what is wrong with it.
+    /// Its problems.
     pub fn plan(&self) -> Result<Value, Refusal> {
         match self {
             Study::Sweep(asks) => asks.plan(),
@@ -61,10 +61,10 @@ impl Study {
         }
     }
 
-    /// Does it, as long as somebody waits.
+    /// Runs the study while somebody waits.
     ///
     /// # Errors
-    /// With what is wrong with it, or that nobody waits any more.
+    /// Its problems, or that nobody waits any more.
     pub fn work(&self, audience: Audience<'_>) -> Result<Value, Refusal> {
         match self {
             Study::Sweep(asks) => asks.work(audience),
@@ -74,7 +74,7 @@ impl Study {
     }
 }
 
-/// What a page needs to ask for studies: the figures of a move that a sweep collects, and what a tuning begins with.
+/// The choices for studies: the figures of a move that a sweep can collect, and the defaults of a tuning.
 #[must_use]
 pub fn choices() -> Value {
     let figures = FIGURES.iter().map(|figure| json!({ "name": figure.name, "meaning": figure.meaning }));

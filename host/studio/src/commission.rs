@@ -1,11 +1,11 @@
-//! A rig at a port, moved from the page.
+//! Commissions a rig at a port from the page.
 //!
-//! The page asks for `/api/drive` and reads a line of JSON for every look at the rig, for as long as it likes. While it
-//! reads, it commands the drive, and no other page does; when it stops reading, the drive is disarmed. Any page that shows the
-//! token may stop the drive.
+//! The page opens `/api/drive` and reads one line of JSON for each look at the rig. While it reads, it commands the
+//! drive, and no other page can. When it stops reading, the drive is disarmed. Any page with the token may stop the
+//! drive.
 //!
-//! A stop never waits for other requests: the thread of the page that commands takes it, or, where none does, a thread that has
-//! nothing else to do.
+//! A stop never waits for other requests. The thread of the page in command takes it; without such a page, a thread
+//! of its own does.
 //!
 //! ```text
 //! page -> /api/order -> Order -> pilot -> rig      at once, without an answer; a stop is answered when it is done
@@ -51,24 +51,24 @@ use pilot::steer;
 use seen::Seen;
 use stop::Stopper;
 
-/// Between two lines to the page.
+/// Time between two lines to the page.
 const LINE: Duration = Duration::from_millis(50);
 
-/// The rig at a port, and the page that commands it.
+/// The rig at a port, and the page in command.
 #[derive(Debug)]
 pub struct Drive {
-    /// None where the studio was started without one.
+    /// None if the studio was started without a port.
     port: Option<String>,
     stopper: Option<Stopper>,
     helm: Mutex<Helm>,
 }
 
-/// Who commands.
+/// Which page is in command.
 #[derive(Debug, Default)]
 struct Helm {
     /// The number of the last page that was let in.
     last: u32,
-    /// The page that commands, and its thread.
+    /// The page in command, and its thread.
     page: Option<(u32, Sender<Arrived>)>,
 }
 
@@ -85,7 +85,7 @@ impl Drive {
         self.port.clone().ok_or_else(no_port)
     }
 
-    /// Hands an order to the thread of the page that commands, if its number is allowed to give it.
+    /// Hands an order to the thread of the page in command, if the number may give it.
     fn send(&self, order: Order, allowed: impl Fn(u32) -> bool) -> bool {
         let helm = self.helm();
         let page = helm.page.as_ref().filter(|(number, _)| allowed(*number));
@@ -111,7 +111,7 @@ async fn port(State(drive): State<Arc<Drive>>) -> Json<Value> {
     Json(json!({ "port": drive.port, "jog_mm_per_s": ramp::JOG_MM_PER_S, "go_mm_per_s": ramp::GO_MM_PER_S }))
 }
 
-/// The page's command of the drive. Dropped when its connection ends; then the thread disarms and leaves.
+/// A page's command of the drive. It is dropped when the connection ends; then the thread disarms and leaves.
 struct Lease {
     drive: Arc<Drive>,
     number: u32,
@@ -123,7 +123,7 @@ impl Drop for Lease {
     }
 }
 
-/// Lets a page in, and tells it of the drive from then on.
+/// Lets a page in and sends it the state of the drive from then on.
 async fn open(State(drive): State<Arc<Drive>>) -> Result<Response, Refused> {
     let port = drive.port()?;
     let (sender, orders) = channel();
@@ -141,13 +141,13 @@ async fn open(State(drive): State<Arc<Drive>>) -> Result<Response, Refused> {
     Ok(([(CONTENT_TYPE, "application/x-ndjson")], Body::from_stream(lines)).into_response())
 }
 
-/// What the page is told next.
+/// The next line for the page.
 enum Next {
     /// Its number.
     Number,
     /// The drive as it is.
     Look,
-    /// Nothing: the link to the rig has ended.
+    /// None: the link to the rig has ended.
     End,
 }
 
@@ -176,7 +176,7 @@ fn take_helm(drive: &Arc<Drive>, orders: Sender<Arrived>) -> Result<Lease, Refus
     Ok(Lease { drive: drive.clone(), number: helm.last })
 }
 
-/// Hands an order to the thread of the page that commands.
+/// Hands an order to the thread of the page in command.
 async fn order(
     State(drive): State<Arc<Drive>>,
     Json(ordered): Json<Numbered<Orders>>,
@@ -189,18 +189,18 @@ async fn order(
     if !is_stop {
         return if is_sent { Ok(StatusCode::ACCEPTED) } else { Err(not_commanding().into()) };
     }
-    // The thread of the page may end before it comes to the stop.
+    // The thread of the page may end before it reaches the stop.
     if is_sent && told.await.is_ok() { Ok(StatusCode::ACCEPTED) } else { stop_without_page(&drive).await }
 }
 
-/// Stops a drive that no page commands; another program may have set it going.
+/// Stops a drive that no page commands: another program may have started it.
 async fn stop_without_page(drive: &Drive) -> Result<StatusCode, Refused> {
     let stopper = drive.stopper.as_ref().ok_or_else(no_port)?;
     stopper.stop().await.map_err(|why| Refusal::new(StatusCode::INTERNAL_SERVER_ERROR, why))?;
     Ok(StatusCode::ACCEPTED)
 }
 
-/// Hands on what is answered, and waits for the answer.
+/// Forwards a request, and waits for its answer.
 async fn ask(
     State(drive): State<Arc<Drive>>,
     Json(asked): Json<Numbered<Questions>>,

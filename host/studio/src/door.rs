@@ -1,10 +1,10 @@
-//! Who may keep a connection. Those that have not shown the token hold up nobody who shows it, so that a page, and a stop, get
+//! Which connections may stay. Connections without the token never crowd out one with it: a page, and a stop, get
 //! through however many there are.
 //!
 //! | connection | may stay | at most |
 //! |---|---|---|
-//! | one that has not shown the token | [`STRANGER_WAIT`], and the one that is oldest leaves for a new one after [`HURRY`] | [`MAX_STRANGERS`] |
-//! | one that has shown it | as long as it likes; beyond the limit the one that was silent longest leaves for a new one, but none on which a page follows the drive or a study | [`MAX_KNOWN`] |
+//! | without the token | [`STRANGER_WAIT`]; the oldest leaves for a new one after [`HURRY`] | [`MOST_STRANGERS`] |
+//! | with the token | as long as it likes; beyond the limit the one that was silent longest leaves for a new one, but never one on which a page follows the drive or a study | [`MOST_KNOWN`] |
 
 use std::pin::pin;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -20,22 +20,22 @@ use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::Notify;
 use tokio::time::{sleep, timeout};
 
-/// Time in which a connection must show the token; the files of the page need none.
+/// Time within which a connection must show the token. The files of the page need none.
 pub const STRANGER_WAIT: Duration = Duration::from_secs(10);
 
 /// Time that a connection has to show the token while others wait for its place.
 pub const HURRY: Duration = Duration::from_millis(100);
 
-/// Connections that have not shown the token.
-pub const MAX_STRANGERS: usize = 64;
+/// Most connections without the token.
+pub const MOST_STRANGERS: usize = 64;
 
-/// Connections that have; a page has six.
-pub const MAX_KNOWN: usize = 96;
+/// Most connections with the token; a page has six.
+pub const MOST_KNOWN: usize = 96;
 
-/// Between two looks for a place that is free.
+/// Time between two looks for a free place.
 const LOOK_AGAIN: Duration = Duration::from_millis(5);
 
-/// Answers on which a page stays.
+/// Requests whose answer a page keeps reading.
 const STAYS: [&str; 2] = ["/api/drive", "/api/study"];
 
 /// One connection.
@@ -79,7 +79,7 @@ impl Guest {
     }
 }
 
-/// The connections that there are.
+/// The open connections.
 #[derive(Debug, Default)]
 struct Guests(Mutex<Vec<Arc<Guest>>>);
 
@@ -88,7 +88,7 @@ impl Guests {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Takes in a new connection, in the place of another one if need be; None while there is no place.
+    /// Admits a new connection, if necessary in the place of another one. None if there is no place.
     fn take_in(&self) -> Option<Arc<Guest>> {
         let mut all = self.all();
         let strangers = all.iter().filter(|guest| !guest.is_known()).count();
@@ -113,17 +113,17 @@ impl Guests {
 }
 
 fn send_away(all: &mut Vec<Arc<Guest>>, guest: &Arc<Guest>) {
-    // It may not have come so far that it waits for this.
+    // notify_one also reaches a connection that does not wait yet.
     guest.leave.notify_one();
     all.retain(|other| !Arc::ptr_eq(other, guest));
 }
 
-/// Serves the connections that come, for ever.
+/// Serves all connections, forever.
 pub async fn serve(listener: TcpListener, router: Router) {
     let guests = Arc::new(Guests::default());
     loop {
         let Ok((stream, _)) = listener.accept().await else {
-            // No descriptor is free: a connection ends in a moment.
+            // No file descriptor is free: a connection will end in a moment.
             sleep(HURRY).await;
             continue;
         };
@@ -142,7 +142,7 @@ pub async fn serve(listener: TcpListener, router: Router) {
 }
 
 async fn serve_guest(stream: TcpStream, router: Router, guest: &Guest) {
-    // What is left of an answer would wait for the browser to acknowledge what it has.
+    // The rest of an answer would wait for the browser to acknowledge it.
     drop(stream.set_nodelay(true));
     let service = TowerToHyperService::new(router);
     let connection = http1::Builder::new().serve_connection(TokioIo::new(stream), service);

@@ -1,7 +1,8 @@
-//! Rig files that are opened and saved.
+//! Opens and saves rig files.
 //!
-//! A page may write rig files into one folder: that of the rig which was opened, or the one in which the studio was started.
-//! A file that is there is replaced without a question only if it holds what the studio has read or written there last.
+//! A page may write rig files into one folder: the folder of the opened rig, or the one in which the studio was
+//! started. An existing file is replaced without a question only if it still holds what the studio last read or wrote
+//! there.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -24,12 +25,12 @@ use crate::refused::Refused;
 pub struct Files {
     folder: PathBuf,
     opened: Opened,
-    /// What the studio knows of the files in the folder: what it has read or written there last.
+    /// What the studio last read from or wrote to the files in the folder.
     known: Mutex<BTreeMap<String, String>>,
 }
 
 impl Files {
-    /// The files beside a rig file; beside the program where the rig is built in.
+    /// The folder of a rig file; the current folder for a built-in rig.
     #[must_use]
     pub fn new(opened: Opened) -> Files {
         let path = Path::new(&opened.name);
@@ -67,7 +68,7 @@ fn without_mark(bytes: &[u8]) -> &[u8] {
     bytes.strip_prefix(MARK).unwrap_or(bytes)
 }
 
-/// A name that leads nowhere but into the folder.
+/// A name that stays within the folder.
 fn file_name(name: &str) -> Result<&str, Refusal> {
     let plain = |letter: char| letter.is_alphanumeric() || "-_. ".contains(letter);
     let fits =
@@ -80,12 +81,12 @@ fn file_name(name: &str) -> Result<&str, Refusal> {
     Err(Refusal::new(StatusCode::BAD_REQUEST, message))
 }
 
-/// The rigs that come with the program, and the one that was opened.
+/// The built-in rigs, and the one that was opened.
 pub async fn list(State(files): State<Arc<Files>>) -> Json<Value> {
     Json(rigs::list(&files.opened))
 }
 
-/// The text of a rig that comes with the program.
+/// The text of a built-in rig.
 ///
 /// # Errors
 /// When there is none of that name.
@@ -93,10 +94,11 @@ pub async fn open(extract::Path(name): extract::Path<String>) -> Result<Json<Ope
     Ok(Json(Opened::builtin(&name)?))
 }
 
-/// Saves a rig: the file that was opened, with the settings in the places of the old values, all other lines kept.
+/// Saves a rig: the opened file, with the settings in place of the old values and all other lines kept.
 ///
 /// # Errors
-/// When the rig is not valid, the name leads out of the folder, a file is there that is not ours, or it cannot be written.
+/// When the rig is not valid, the name leads out of the folder, another program has changed the file, or it cannot be
+/// written.
 pub async fn save(
     State(files): State<Arc<Files>>,
     Json(ToSave { asked, file, replace }): Json<ToSave>,

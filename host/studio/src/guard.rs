@@ -1,11 +1,11 @@
-//! Who may ask, and what every answer says to the browser.
+//! Which requests are allowed, and the headers of every answer.
 //!
 //! | refused | because |
 //! |---|---|
 //! | a `Host` that is neither an address nor `localhost` | a foreign name that resolves to this machine makes its page ours (DNS rebinding) |
 //! | an `Origin` that is not this server | another page asks |
-//! | a request for `/api` without the token; with a wrong one after [`PAUSE`] | whoever asks was not given the address |
-//! | a body of more than [`MAX_BYTES`], of more than [`MAX_BYTES_OF_RECORD`] with a record to lay over a run | no rig file is that long; a page waits for no longer record |
+//! | a request for `/api` without the token; with a wrong one after [`PAUSE`] | the sender was not given the address |
+//! | a body of more than [`MOST_BYTES`]; with a record to overlay, of more than [`MOST_BYTES_OF_RECORD`] | no rig file is that long; no page waits for a longer record |
 
 use std::net::{IpAddr, SocketAddr};
 use std::sync::Arc;
@@ -43,18 +43,18 @@ const HEADERS: [(&str, &str); 6] = [
     ("cache-control", "no-store"),
 ];
 
-/// How long a wrong token waits for its answer, so that nobody tries many. Who has the right one does not wait for it.
+/// How long a wrong token waits for its answer, so that nobody can try many. The right token does not wait.
 pub const PAUSE: Duration = Duration::from_secs(1);
 
 /// What needs the token.
 const API: &str = "/api/";
 
-/// What the guard goes by.
+/// What the guard needs to know.
 #[derive(Clone, Debug)]
 pub struct Guard {
     /// Where the server listens.
     pub address: SocketAddr,
-    /// What a request for `/api` must show.
+    /// The token that a request for `/api` must show.
     pub token: Token,
 }
 
@@ -89,7 +89,7 @@ fn shown(headers: &HeaderMap) -> Option<&str> {
     text_of(headers, AUTHORIZATION).and_then(|value| value.strip_prefix("Bearer "))
 }
 
-/// Notes at a connection that it has shown the token.
+/// Marks a connection as one that has shown the token.
 fn note_token(request: &Request) {
     let path = request.uri().path();
     if let Some(guest) = request.extensions().get::<Arc<Guest>>()
@@ -103,7 +103,7 @@ impl Guard {
     /// Whether a request may be carried out.
     ///
     /// # Errors
-    /// With the reason why it may not.
+    /// The reason why it may not.
     pub fn check(&self, uri: &Uri, headers: &HeaderMap) -> Result<(), Refusal> {
         let text = |name| text_of(headers, name);
         let host = text(HOST).filter(|host| self.is_ours(host)).ok_or_else(|| {
@@ -121,7 +121,7 @@ impl Guard {
         Ok(())
     }
 
-    /// Whether `host:port` is an address of this server. A name other than localhost may be anybody's.
+    /// Whether `host:port` is an address of this server. A name other than localhost may belong to anybody.
     fn is_ours(&self, host: &str) -> bool {
         if host == format!("localhost:{}", self.address.port()) {
             return self.address.ip().is_loopback() || self.address.ip().is_unspecified();

@@ -1,4 +1,4 @@
-//! `pneudrive studio`: a drive designed, tried out and commissioned in the browser.
+//! `pneudrive studio`: designs, tries out and commissions a drive in the browser.
 //!
 //! ```text
 //! page (host/page)  ->  guard  ->  its requests on threads of their own  ->  page
@@ -6,17 +6,17 @@
 //!                              ->  a rig at a port
 //! ```
 //!
-//! The server keeps no rig: every request brings the text of the rig file and the settings made on the page, so a killed
+//! The server keeps no rig: every request brings the text of the rig file and the settings of the page. So a killed
 //! server loses nothing.
 //!
 //! | module | holds |
 //! |---|---|
-//! | [`token`], [`guard`], [`refused`] | who may ask, what every answer says to the browser, and how the server says no |
+//! | [`token`], [`guard`], [`refused`] | which requests are allowed, the headers of every answer, and refusals |
 //! | [`served`] | the files of the page, and its requests |
 //! | [`files`] | rig files that are opened and saved |
-//! | [`study`] | long work that the page asks for, told of line by line |
-//! | [`commission`] | a rig at a port, moved from the page |
-//! | [`server`], [`door`] | the routes, the address, and who may keep a connection |
+//! | [`study`] | studies for the page, with progress line by line |
+//! | [`commission`] | commissions a rig at a port from the page |
+//! | [`server`], [`door`] | the routes, the address, and which connections may stay |
 
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 

@@ -1,4 +1,4 @@
-//! How the server says no: a status, and JSON with the reason.
+//! Refusals of the server: a status, and JSON with the reason.
 
 use axum::Json;
 use axum::response::{IntoResponse, Response};

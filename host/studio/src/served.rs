@@ -1,4 +1,4 @@
-//! What the page itself can answer, served: its files, and its requests on threads of their own.
+//! Serves the page: its files, and its requests on threads of their own.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -41,10 +41,11 @@ pub async fn keys() -> Json<Value> {
     Json(keys::table())
 }
 
-/// A request of the page, read and answered on a thread of its own, as its record may be long; given up when the page has gone or asks something else.
+/// A request of the page. It is read and answered on a thread of its own, because its record may be long. It is
+/// cancelled when the page has gone or asks for something else.
 ///
 /// # Errors
-/// With the reason why it is not carried out.
+/// The reason why it is not carried out.
 pub async fn request(name: &'static str, headers: HeaderMap, body: Bytes) -> Result<Response, Refused> {
     refuse_form(&headers)?;
     let wanted = WhileWanted(Arc::new(AtomicBool::new(true)));
@@ -63,7 +64,7 @@ pub async fn request(name: &'static str, headers: HeaderMap, body: Bytes) -> Res
     }
 }
 
-/// Refuses what is not said to be JSON: a form of another page can send none.
+/// Refuses a body that is not declared as JSON: a form of another page cannot declare that.
 fn refuse_form(headers: &HeaderMap) -> Result<(), Refusal> {
     let kind = headers.get(CONTENT_TYPE).and_then(|kind| kind.to_str().ok()).unwrap_or_default();
     let kind = kind.split(';').next().unwrap_or_default().trim();

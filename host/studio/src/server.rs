@@ -19,21 +19,23 @@ use crate::served;
 use crate::study;
 use crate::token::Token;
 
-/// Threads for simulations: one for a run, one for its perturbed runs, and two for those that nobody waits for any more.
+/// Threads for simulations: one for a run, one for its perturbed runs, and two for those that nobody waits for any
+/// more.
 const THREADS: usize = 4;
 
-/// Threads that take requests in and hand answers out: while one reads a long body, an order to the drive goes on.
+/// Threads that receive requests and send answers: while one reads a long body, an order to the drive still gets
+/// through.
 const DOORS: usize = 2;
 
 /// Requests that bring a record.
 const WITH_RECORD: [&str; 2] = ["compare", "spectrum"];
 
-/// What a studio is started with.
+/// The settings that a studio is started with.
 #[derive(Debug)]
 pub struct Options {
     /// Where it listens, `HOST:PORT`; port 0 for any free one.
     pub listen: String,
-    /// The token that the user has chosen, if any. An address that can be reached from a network needs one.
+    /// The token that the user has chosen, if any. An address that a network can reach needs one.
     pub token: Option<Token>,
     /// The rig that the page begins with.
     pub opened: Opened,
@@ -54,7 +56,7 @@ impl Studio {
     /// Listens at an address.
     ///
     /// # Errors
-    /// When it cannot, or when the address can be reached from a network and there is no token.
+    /// When it cannot, or when a network can reach the address and there is no token.
     pub fn open(options: Options) -> Result<Studio> {
         let Options { listen, token, opened, port } = options;
         let listener = TcpListener::bind(&listen).with_context(|| {
@@ -89,7 +91,7 @@ impl Studio {
         self.guard.address
     }
 
-    /// What answers the requests.
+    /// The router for the requests.
     pub fn router(&self) -> Router {
         Router::new()
             .route("/", get(served::index))
@@ -122,7 +124,7 @@ impl Studio {
     }
 }
 
-/// What the page can answer itself.
+/// Requests that the page's own crate answers.
 fn requests() -> Router {
     REQUESTS.into_iter().fold(Router::new(), |router, name| {
         let most = if WITH_RECORD.contains(&name) { MAX_BYTES_OF_RECORD } else { MAX_BYTES };

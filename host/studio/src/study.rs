@@ -1,11 +1,11 @@
-//! A study that the page asks for: long work on a thread of its own, told of line by line.
+//! Studies for the page: long work on a thread of its own, with progress line by line.
 //!
 //! ```text
 //! POST /api/study  ->  { "at": { "what", "done", "all" } } ...  ->  { "found": ... } or { "refused": ... }
 //! ```
 //!
-//! There is one study at a time. It is called off when its page stops reading: cancelled, closed or gone. It then ends the
-//! runs that have begun, and the next one begins behind it: there is never more than one thread for studies.
+//! There is one study at a time. It is cancelled when its page stops reading: cancelled, closed or gone. Its running
+//! simulations still end, and the next study begins after them. So there is never more than one thread for studies.
 
 use std::convert::Infallible;
 use std::sync::Arc;
@@ -27,12 +27,12 @@ use tokio::sync::mpsc::{UnboundedSender, unbounded_channel};
 
 use crate::refused::Refused;
 
-/// Where studies are worked on: one page waits at a time.
+/// The place for studies: one page at a time.
 #[derive(Debug, Default)]
 struct Desk {
     /// Whether a page waits.
     taken: AtomicBool,
-    /// Held by the thread that works; one that was called off ends its last run first.
+    /// Held by the working thread. A cancelled study still ends its last run.
     work: Arc<Mutex<()>>,
 }
 
@@ -44,7 +44,7 @@ pub fn routes() -> Router {
         .with_state(Arc::<Desk>::default())
 }
 
-/// A page that waits. When it goes, so does its interest.
+/// A page that waits. When it goes, its study is cancelled.
 struct Waiting {
     desk: Arc<Desk>,
     waits: Arc<AtomicBool>,
@@ -83,7 +83,7 @@ fn take(desk: &Arc<Desk>) -> Result<Waiting, Refusal> {
     Ok(Waiting { desk: desk.clone(), waits: Arc::new(AtomicBool::new(true)) })
 }
 
-/// Works while the page waits. Nobody hears a line that is sent after that.
+/// Works while the page waits. Lines that are sent after that are lost.
 fn work(study: &Study, waits: &AtomicBool, lines: &UnboundedSender<Value>) {
     let done = study.work(Audience {
         hears: &mut |at| drop(lines.send(json!({ "at": at }))),

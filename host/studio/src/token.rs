@@ -5,10 +5,10 @@ use std::fmt::{self, Write};
 use anyhow::{Context, Result, bail};
 use subtle::ConstantTimeEq;
 
-/// Bytes of a token, at least and at most; as those of a virtual rig.
+/// Smallest and largest length of a token, bytes; the same as for a virtual rig.
 const LENGTHS: std::ops::RangeInclusive<usize> = 16..=64;
 
-/// What page and server both know.
+/// The secret that page and server share.
 #[derive(Clone)]
 pub struct Token(String);
 
@@ -31,7 +31,7 @@ impl Token {
         Ok(Token(text))
     }
 
-    /// A token that the user has chosen: 16 to 64 letters, digits, `-`, `.`, `_` or `~`, as it stands in an address.
+    /// A token of the user's choice: 16 to 64 letters, digits, `-`, `.`, `_` or `~`, exactly as in an address.
     ///
     /// # Errors
     /// For any other text.
@@ -47,13 +47,13 @@ impl Token {
         Ok(Token(text.to_owned()))
     }
 
-    /// As it stands in the address.
+    /// The token as in the address.
     #[must_use]
     pub fn text(&self) -> &str {
         &self.0
     }
 
-    /// Whether a text is this token. Takes the same time for all texts of its length.
+    /// Whether a text is this token. The comparison takes the same time for all texts of its length.
     #[must_use]
     pub fn is(&self, text: &str) -> bool {
         self.0.as_bytes().ct_eq(text.as_bytes()).into()

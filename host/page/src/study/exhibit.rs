@@ -1,11 +1,11 @@
-//! Notes, tables and graphs of a report, as the page draws them.
+//! Notes, tables and graphs of a report, for the page.
 
 use pneudrive_report::{Curve, Figure, Look, Page, Panel, Shade};
 use serde_json::{Value, json};
 
 use crate::simulation::to_json as table;
 
-/// A report; a number that is none is null, and leaves a gap.
+/// A report. A missing number is null and leaves a gap.
 pub(super) fn to_json(page: &Page) -> Value {
     json!({
         "title": page.title,

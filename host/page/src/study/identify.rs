@@ -14,13 +14,13 @@ use crate::asked::{Asked, quoted};
 use crate::compare::Record;
 use crate::refusal::Refusal;
 
-/// A rig, records of it, and what is unknown.
+/// A rig, its records, and the keys to fit.
 #[derive(Debug, Deserialize)]
 pub struct Asks {
     #[serde(flatten)]
     asked: Asked,
     records: Vec<Record>,
-    /// Keys; none: what is never known exactly.
+    /// Keys; none: those that are never known exactly.
     #[serde(default)]
     fit: Vec<String>,
 }
@@ -83,7 +83,7 @@ impl Asks {
     }
 }
 
-/// What the fitted rig file would have, as `key=value`; nothing of a fit that is refused.
+/// The values of the fitted rig file, as `key=value`; none if the fit is refused.
 fn settings(found: &Identification) -> Vec<String> {
     if !found.fits {
         return Vec::new();

@@ -1,11 +1,12 @@
-//! How far long work is, for a page.
+//! Progress of long work, for a page.
 
 use serde_json::{Value, json};
 
-/// So many steps are told one by one, and then so many parts of the whole: a line for each run would be many.
+/// This many steps are reported one by one, later ones in this many parts of the whole: a line for each run would be
+/// too many.
 const PARTS: usize = 200;
 
-/// Tells how far a piece of work is, where that has changed.
+/// Reports the progress of a task whenever it has changed.
 pub(super) struct Meter<'a> {
     hears: &'a mut (dyn FnMut(Value) + Send),
     told: Option<(&'static str, usize)>,

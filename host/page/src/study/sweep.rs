@@ -25,7 +25,7 @@ const MAX_POINTS: usize = 10_000;
 /// The name of the sweep file that a page offers.
 const FILE: &str = "sweep.toml";
 
-/// What varies, and what is collected.
+/// The keys that vary, and the figures to collect.
 #[derive(Debug, Deserialize)]
 pub struct Asks {
     #[serde(flatten)]
@@ -35,11 +35,11 @@ pub struct Asks {
     metrics: Vec<String>,
     /// What makes a point better than another.
     objective: Option<Objective>,
-    /// Runs of each point: the rig itself and its perturbed runs.
+    /// Runs per point: the rig itself and its perturbed runs.
     runs: usize,
 }
 
-/// A key, and what it takes on.
+/// A key and its values.
 #[derive(Debug, Deserialize)]
 struct Varied {
     key: String,
@@ -110,7 +110,7 @@ impl Asks {
         }))
     }
 
-    /// What the best point changes, as `key=value`.
+    /// The changes of the best point, as `key=value`.
     fn settings_of(&self, row: &Row) -> Vec<String> {
         self.vary.iter().zip(&row.levels).map(|(varied, level)| format!("{}={level}", varied.key)).collect()
     }
@@ -131,7 +131,7 @@ impl Asks {
         Ok(sweep)
     }
 
-    /// Whether the key of a setting varies: then its values are those of the sweep.
+    /// Whether the key of a setting varies: then the sweep gives its values.
     fn varies(&self, setting: &str) -> bool {
         let key = setting.split('=').next();
         self.vary.iter().any(|varied| key == Some(varied.key.as_str()))
@@ -161,9 +161,9 @@ impl Asks {
     }
 }
 
-/// Refuses a sweep with a point whose test has more samples than a page waits for.
+/// Refuses a sweep if the test of a point has more samples than a page waits for.
 fn refuse_long(sweep: &Sweep) -> Result<(), Refusal> {
-    // A level that is no plain number counts as too long a test.
+    // A level that is not a plain number counts as too long a test.
     let levels = |key: &str, unknown: f64| -> Vec<f64> {
         match sweep.axes.iter().find(|axis| axis.name == key) {
             Some(axis) => axis.levels.iter().map(|level| level.parse().unwrap_or(unknown)).collect(),
@@ -195,7 +195,7 @@ fn known(name: &str) -> Result<&'static str, Refusal> {
 }
 
 impl Varied {
-    /// As the sweep file has it.
+    /// The text in the sweep file.
     fn line(&self) -> Result<String, Refusal> {
         let key =
             find_key(&self.key).ok_or_else(|| Refusal::wrong(format!("there is no key {:?}", self.key)))?;

@@ -13,7 +13,7 @@ use super::{Audience, exhibit};
 use crate::asked::Asked;
 use crate::refusal::Refusal;
 
-/// A rig, and what is asked of a step.
+/// A rig, and the requirements on a step.
 #[derive(Debug, Deserialize)]
 pub struct Asks {
     #[serde(flatten)]
@@ -21,7 +21,7 @@ pub struct Asks {
     goal: Goal,
 }
 
-/// What is asked of a step, over which spread, and how long is looked for; as the options of `tune`.
+/// The requirements on a step, its spread, and the size of the search, as in the options of `tune`.
 #[derive(Clone, Copy, Debug, Deserialize, Serialize)]
 pub struct Goal {
     /// Size of the step, mm.
@@ -47,7 +47,7 @@ pub struct Goal {
 }
 
 impl Default for Goal {
-    /// As the command has them.
+    /// The defaults of the command.
     fn default() -> Goal {
         Goal {
             step_mm: 60.0,
@@ -122,7 +122,7 @@ impl Asks {
     }
 }
 
-/// That of the command.
+/// The default of the command.
 const SEED: u64 = 1;
 
 fn stage(stage: Stage) -> &'static str {

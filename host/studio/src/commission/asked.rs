@@ -1,4 +1,4 @@
-//! What a page asks for, as it comes.
+//! The page's requests as they arrive.
 
 use std::time::Duration;
 
@@ -11,7 +11,7 @@ use serde::Deserialize;
 
 use super::order::{Direction, Order, Stopped, Task};
 
-/// What a page asks for, with the number of the page; only stopping goes without.
+/// A request with the number of its page. Only a stop needs none.
 #[derive(Debug, Deserialize)]
 pub struct Numbered<T> {
     pub number: Option<u32>,
@@ -19,7 +19,7 @@ pub struct Numbered<T> {
     pub of_page: T,
 }
 
-/// What is done without an answer.
+/// Orders without an answer.
 #[derive(Debug, Deserialize)]
 #[serde(tag = "order", rename_all = "kebab-case")]
 pub enum Orders {
@@ -38,10 +38,10 @@ pub enum Orders {
 }
 
 impl Orders {
-    /// As the thread of the page takes it; `stopped` hears of a stop that is done.
+    /// The order for the thread of the page. `stopped` is told when a stop is done.
     ///
     /// # Errors
-    /// When the rig that it brings is wrong, or a place is no number.
+    /// When the request's rig is invalid, or a place is not a number.
     pub fn order(self, stopped: Stopped) -> Result<Order, Refusal> {
         Ok(match self {
             Orders::Alive => Order::Alive,
@@ -61,7 +61,7 @@ impl Orders {
     }
 }
 
-/// What is answered.
+/// Tasks with an answer.
 #[derive(Debug, Deserialize)]
 #[serde(tag = "ask", rename_all = "kebab-case")]
 pub enum Questions {
@@ -74,10 +74,10 @@ pub enum Questions {
 }
 
 impl Questions {
-    /// As the thread of the page takes it.
+    /// The task for the thread of the page.
     ///
     /// # Errors
-    /// When the rig that it brings is wrong, or the bring-up would go too far.
+    /// When the request's rig is invalid, or the bring-up would go too far.
     pub fn task(self) -> Result<Task, Refusal> {
         Ok(match self {
             Questions::Way { rig } => Task::Way(read(&rig)?),

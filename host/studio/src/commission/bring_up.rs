@@ -10,10 +10,10 @@ use super::ended::Ended;
 use super::order::Orders;
 use super::seen::Teller;
 
-/// Runs the checks; the page follows them, and its answer is the report.
+/// Runs the checks. The page follows them; its answer is the report.
 ///
 /// # Errors
-/// As [`bring_up::bring_up`]; [`Ended`] when the page has ended it. The drive is disarmed then, too.
+/// As [`bring_up::bring_up`]; [`Ended`] when the page has ended it. The drive is disarmed in every case.
 pub fn bring_up(
     client: &mut Client,
     orders: &mut Orders<'_>,
@@ -28,7 +28,7 @@ pub fn bring_up(
     hand.told = Told { checks: std::mem::take(&mut hand.told.checks), ..Told::default() };
     hand.show();
     match ended {
-        // A question that is not answered is no "no".
+        // An unanswered question does not count as "no".
         Some(ended) => Err(ended.into()),
         None => Ok(answer(&made?)),
     }
@@ -39,7 +39,7 @@ fn answer(report: &Report) -> Value {
     json!({ "summary": report.summary(), "wrong": wrong, "text": report.markdown() })
 }
 
-/// The page, as who stands at the drive.
+/// The page as the operator.
 struct Hand<'a, 'b> {
     orders: &'a mut Orders<'b>,
     teller: &'a Teller<'a>,
@@ -54,7 +54,7 @@ struct Hand<'a, 'b> {
 #[derive(Default)]
 struct Told {
     is_on: bool,
-    /// What the hand has to do now, or what comes next.
+    /// What the operator has to do now, or the next step.
     now: String,
     question: Option<(u32, String)>,
     checks: Vec<Value>,
@@ -68,14 +68,14 @@ impl Hand<'_, '_> {
         self.teller.seen().bring_up = Some(shown);
     }
 
-    /// Tells the page that what it has ordered meanwhile is not done.
+    /// Tells the page that its orders during the bring-up are refused.
     fn tell_refused(&mut self) {
         if self.orders.has_refused() {
             self.teller.tell("not now: the bring-up is on");
         }
     }
 
-    /// The answer of the page; no once it has ended the bring-up.
+    /// The answer of the page; "no" once it has ended the bring-up.
     fn ask(&mut self, question: &str) -> bool {
         if self.ended.is_some() {
             return false;

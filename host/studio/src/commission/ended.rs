@@ -1,17 +1,17 @@
-//! Why a page ends what takes longer.
+//! Why a page ends a long task.
 
 use std::fmt::{self, Display, Formatter};
 
-/// Why the page ends what takes longer.
+/// Why the page ends a long task.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ended {
     /// It stops the drive.
     Stopped,
-    /// It asks for no more than the end.
+    /// It asks only for the end of the task.
     Aborted,
-    /// It says nothing any more.
+    /// It has been silent for too long.
     Silent,
-    /// It has gone.
+    /// Its connection has ended.
     Gone,
 }
 

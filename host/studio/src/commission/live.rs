@@ -1,4 +1,4 @@
-//! The stream of the test that runs, for the page.
+//! The stream of the running test, for the page.
 
 use anyhow::Result;
 use pneudrive_controller::parameters::id;
@@ -10,8 +10,8 @@ use pneudrive_records::units::Units;
 
 use super::samples::{Row, Samples};
 
-/// Most samples a second: a minute of them is what a page can draw.
-const MAX_HZ: f64 = 1000.0;
+/// Most samples per second: a page can draw a minute of them.
+const MOST_HZ: f64 = 1000.0;
 
 /// The stream of one test.
 #[derive(Debug)]
@@ -20,20 +20,20 @@ pub struct Live {
     every: u32,
     period_s: f64,
     is_closed: bool,
-    /// When the test began, s of the page's axis.
+    /// When the test began, s on the page's time axis.
     began_s: f64,
-    /// Index of the last sample that came.
+    /// Index of the last sample received.
     last: Option<u32>,
 }
 
-/// The sample period of a drive, s, and every how manyth sample is streamed.
+/// The sample period of a drive, s, and the decimation of its stream.
 fn rate_of(parameters: &RigParameters) -> (f64, u16) {
     let period_s = f64::from(parameters.values.get(id::PERIOD_US).unwrap_or(1300).max(1)) / 1e6;
     (period_s, (1.0 / period_s / MAX_HZ).ceil().max(1.0) as u16)
 }
 
 impl Live {
-    /// Begins a stream of the next test.
+    /// Begins a stream for the next test.
     ///
     /// # Errors
     /// When the firmware has no streams, or does not answer.
@@ -50,13 +50,13 @@ impl Live {
         self.began_s = at_s;
     }
 
-    /// Samples a second that a stream of this drive has.
+    /// Samples per second in a stream of this drive.
     pub fn rate_hz(parameters: &RigParameters) -> f64 {
         let (period_s, every) = rate_of(parameters);
         1.0 / (period_s * f64::from(every))
     }
 
-    /// What has come since the last call; None once the test is over and all of it is there.
+    /// The samples since the last call; None once the test is over and all of them have arrived.
     ///
     /// # Errors
     /// As [`Client::stream_take`].
@@ -65,13 +65,13 @@ impl Live {
         Ok((!is_over || !rows.is_empty()).then_some(rows))
     }
 
-    /// Puts what has come among the samples.
+    /// Adds the new samples to `samples`.
     pub fn put(&mut self, rows: &[StreamedSample], samples: &mut Samples, units: &Units) {
         for StreamedSample { index, sample } in rows {
             let at_s = self.began_s + f64::from(*index) * self.period_s;
             let is_behind_gap = match self.last {
                 Some(last) => index - last > self.every,
-                // Between the last look and the start the drive is armed, and maybe its test downloaded.
+                // Between the last look and the start the drive is armed, and perhaps its test is downloaded.
                 None => *index > 0 || samples.is_apart(at_s),
             };
             samples.add(at_s, &Row::of_stream(sample, self.is_closed, units), is_behind_gap);
@@ -87,7 +87,7 @@ mod tests {
 
     use super::*;
 
-    /// The times of what is told when a look at 1 s is followed by a test that begins at 1.1 s or later.
+    /// The times of the samples when a look at 1 s is followed by a test that begins at 1.1 s or later.
     fn told(began_s: f64, first: u32) -> Value {
         let units = Units::of(&RigParameters::default());
         let sample = RecordedSample::default();

@@ -1,4 +1,4 @@
-//! What a page asks of the thread that talks to the rig, and how that thread hears of it.
+//! The orders of a page to the thread that talks to the rig, and the queue between the two.
 
 use std::collections::VecDeque;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, TryRecvError};
@@ -12,16 +12,16 @@ use tokio::sync::oneshot;
 
 use super::ended::Ended;
 
-/// How long a page may say nothing while it has armed the drive, or while a bring-up is on.
+/// How long a page may be silent after it has armed the drive, or during a bring-up.
 pub const PAGE_SILENCE: Duration = Duration::from_millis(1500);
 
-/// How long a page may say nothing while the drive moves, in a test, a move to a place, homing or a bring-up.
+/// How long a page may be silent while the drive moves: in a test, a move to a place, homing or a bring-up.
 pub const MOTION_SILENCE: Duration = Duration::from_millis(300);
 
-/// How long a held button may be unconfirmed.
+/// How long a held button may stay unconfirmed.
 pub const JOG_SILENCE: Duration = MOTION_SILENCE;
 
-/// What a page asks of the drive.
+/// An order of the page.
 #[derive(Debug)]
 pub enum Order {
     /// The page is there.
@@ -32,36 +32,36 @@ pub enum Order {
     Disarm,
     /// Stop at once, with a fault.
     Stop(Stopped),
-    /// Find the stop or the switch.
+    /// Home the axis.
     Home,
-    /// Run the test of a rig; the place that the drive was said to stand at, mm, where the page has agreed to its way from
-    /// there to the start.
+    /// Run the test of a rig. The number is where the drive stood, mm, when the page agreed to move it from there to
+    /// the start.
     Run(Box<Rig>, Option<f64>),
     /// Move slowly to a place, mm.
     Go(f64, Box<Rig>),
     /// A jog button is held.
     Jog(Direction, Box<Rig>),
-    /// The jog button was let go.
+    /// The jog button was released.
     Release,
     /// The answer to a question of the bring-up, by the question's number.
     Answer(u32, bool),
     /// End the bring-up.
     Abort,
-    /// Something that is answered.
+    /// A task with an answer.
     Ask(Task, Reply),
 }
 
-/// An order, and when it came. It may wait until something else is done.
+/// An order and the time when it arrived. It may wait until something else is done.
 #[derive(Debug)]
 pub struct Arrived {
     /// What is asked.
     pub order: Order,
-    /// When the page was heard.
+    /// When it arrived.
     pub at: Instant,
 }
 
 impl Arrived {
-    /// An order that comes now.
+    /// An order that arrives now.
     pub fn now(order: Order) -> Arrived {
         Arrived { order, at: Instant::now() }
     }
@@ -76,16 +76,16 @@ pub enum Direction {
     Retract,
 }
 
-/// What is answered.
+/// A task with an answer.
 #[derive(Debug)]
 pub enum Task {
     /// The way to the start of a rig's test.
     Way(Box<Rig>),
     /// The parameters of the drive, beside those of a rig.
     Parameters(Box<Rig>),
-    /// New values by the names of the parameters: all of them or none.
+    /// New values by parameter name: all of them or none.
     Change(Vec<(String, String)>),
-    /// Parameters that survive a reset.
+    /// Stores the parameters, so that they survive a reset.
     Save,
     /// The record of the last run.
     Record,
@@ -96,24 +96,24 @@ pub enum Task {
 /// Where the answer goes.
 pub type Reply = oneshot::Sender<Result<Value, Refusal>>;
 
-/// Who waits until the drive is stopped; dropped where it is not.
+/// Who waits until the drive is stopped; dropped if it is not stopped.
 pub type Stopped = oneshot::Sender<()>;
 
-/// The orders of the page that commands.
+/// The orders of the page in command.
 #[derive(Debug)]
 pub struct Orders<'a> {
     from: &'a Receiver<Arrived>,
-    /// Those that have come and not been taken yet.
+    /// Orders that have arrived and wait.
     waiting: VecDeque<Arrived>,
     /// When the last one came.
     heard: Instant,
-    /// How long the page may say nothing as the drive is now.
+    /// How long the page may be silent in the present state of the drive.
     patience: Duration,
     /// Whether the page has gone.
     is_gone: bool,
-    /// Whether an order came meanwhile that would have moved the drive, and that was not carried out.
+    /// Whether an order that would have moved the drive was refused meanwhile.
     has_refused: bool,
-    /// Those who wait for a stop that was taken and is still to be done.
+    /// Who waits for a stop that was received but not done yet.
     stops: Vec<Stopped>,
 }
 
@@ -122,19 +122,19 @@ pub struct Orders<'a> {
 pub struct Gone;
 
 impl<'a> Orders<'a> {
-    /// The orders that come through a channel.
+    /// The orders that arrive through a channel.
     pub fn of(from: &'a Receiver<Arrived>) -> Orders<'a> {
         let (waiting, heard) = (VecDeque::new(), Instant::now());
         let patience = PAGE_SILENCE;
         Orders { from, waiting, heard, patience, is_gone: false, has_refused: false, stops: Vec::new() }
     }
 
-    /// Goes by what the drive does: while it moves, the page must be heard more often.
+    /// Adapts to the state of the drive: while it moves, the page must be heard more often.
     pub fn mind(&mut self, moves: bool) {
         self.patience = if moves { MOTION_SILENCE } else { PAGE_SILENCE };
     }
 
-    /// Takes in what has come. Of a page that has gone no more than the end of a motion counts.
+    /// Receives what has arrived. From a page that has gone, only the end of a motion counts.
     fn hear(&mut self) {
         loop {
             match self.from.try_recv() {
@@ -152,7 +152,7 @@ impl<'a> Orders<'a> {
         }
     }
 
-    /// The next order, if one comes in time.
+    /// The next order, if one arrives in time.
     pub fn next(&mut self, within: Duration) -> Result<Option<Arrived>, Gone> {
         self.hear();
         while let Some(arrived) = self.waiting.pop_front() {
@@ -173,20 +173,20 @@ impl<'a> Orders<'a> {
         }
     }
 
-    /// Whether an order is that of a button which may not be held any more.
+    /// Whether an order belongs to a button that may no longer be held.
     fn is_late(&self, arrived: &Arrived) -> bool {
         let is_over = || self.waiting.iter().any(|later| lets_go(&later.order));
         matches!(arrived.order, Order::Jog(..)) && (arrived.at.elapsed() > JOG_SILENCE || is_over())
     }
 
-    /// When a held button was last confirmed by an order that waits.
+    /// When a waiting order last confirmed a held button.
     pub fn confirmed(&mut self, direction: Direction) -> Option<Instant> {
         self.hear();
         let again = |later: &&Arrived| matches!(later.order, Order::Jog(way, _) if way == direction);
         self.waiting.iter().rev().find(again).map(|later| later.at)
     }
 
-    /// Whether the page still wants what is about to begin; `is_held`: as long as it holds a button.
+    /// Whether the page still wants what is about to begin. `is_held`: only as long as it holds a button.
     pub fn still_wants(&mut self, is_held: bool) -> Result<(), Ended> {
         self.hear();
         for Arrived { order, .. } in &self.waiting {
@@ -209,13 +209,14 @@ impl<'a> Orders<'a> {
         }
     }
 
-    /// Whether the page has said nothing for too long. What has come while an order was carried out counts.
+    /// Whether the page has been silent for too long. Orders that arrived during another order count as signs of
+    /// life.
     pub fn is_silent(&mut self) -> bool {
         self.hear();
         self.heard.elapsed() > self.patience
     }
 
-    /// Hears what the page says while something takes longer; what would move the drive is refused meanwhile.
+    /// Listens to the page during a long task. Orders that would move the drive are refused.
     pub fn goes_on(&mut self) -> Result<(), Ended> {
         self.hear();
         while let Some(Arrived { order, .. }) = self.waiting.pop_front() {
@@ -243,7 +244,7 @@ impl<'a> Orders<'a> {
         std::mem::take(&mut self.has_refused)
     }
 
-    /// Those who wait for a stop that has ended what takes longer, and that is still to be done.
+    /// Who waits for a stop that has ended a long task and is not done yet.
     pub fn stops(&mut self) -> Vec<Stopped> {
         std::mem::take(&mut self.stops)
     }
@@ -258,7 +259,7 @@ impl<'a> Orders<'a> {
     }
 }
 
-/// Whether an order ends what takes longer.
+/// Whether an order ends a long task.
 fn ends(order: &Order) -> Result<(), Ended> {
     match order {
         Order::Stop(_) => Err(Ended::Stopped),
@@ -267,7 +268,7 @@ fn ends(order: &Order) -> Result<(), Ended> {
     }
 }
 
-/// Whether a button is not held any more, behind an order.
+/// Whether an order releases the button.
 fn lets_go(order: &Order) -> bool {
     matches!(order, Order::Release | Order::Disarm | Order::Stop(_))
 }
@@ -347,7 +348,8 @@ mod tests {
         Order::Jog(Direction::Extend, Box::new(Rig::builtin("servo-b-tuned").expect("a built-in rig")))
     }
 
-    /// While something else is done, confirmations of a button may queue up before the order that ends the motion.
+    /// While another order is carried out, confirmations of a button may queue up before the order that ends the
+    /// motion.
     #[test]
     fn a_jog_is_passed_over_when_it_is_old_or_the_button_was_let_go_behind_it() {
         let (sender, receiver) = channel();

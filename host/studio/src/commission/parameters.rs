@@ -1,4 +1,4 @@
-//! The parameters of a drive, beside those of the rig that was designed: what `device config` shows and sets.
+//! The parameters of a drive beside those of the designed rig, as in `device config`.
 
 use anyhow::Result;
 use axum::http::StatusCode;
@@ -12,7 +12,7 @@ use pneudrive_sim::Rig;
 use pneudrive_sim::rig::{find_key, unit};
 use serde_json::{Value, json};
 
-/// Every parameter, its value on the drive and in a rig, and whether those of the drive are stored.
+/// Every parameter with its value on the drive and in a rig, and whether the drive's values are stored.
 ///
 /// # Errors
 /// When the drive does not answer.
@@ -43,10 +43,10 @@ fn row(written: &Written, on_drive: &RigParameters, designed: &Parameters) -> Va
     })
 }
 
-/// Sets parameters to texts by their names: all of them or none, in one change of the drive.
+/// Sets parameters by name from texts: all of them or none, in one change of the drive.
 ///
 /// # Errors
-/// With each problem at its parameter.
+/// Each problem at its parameter.
 pub fn change(client: &mut Client, changes: &[(String, String)]) -> Result<(), Refusal> {
     let before = client.parameters().map_err(|error| Refusal::of(&error))?.values;
     let after = changed(&before, changes)?;
@@ -58,7 +58,7 @@ pub fn change(client: &mut Client, changes: &[(String, String)]) -> Result<(), R
     }
 }
 
-/// The parameters with some of them set to texts.
+/// The parameters with some of them set from texts.
 fn changed(before: &Parameters, changes: &[(String, String)]) -> Result<Parameters, Refusal> {
     let mut after = before.clone();
     let mut problems = Vec::new();
@@ -72,8 +72,8 @@ fn changed(before: &Parameters, changes: &[(String, String)]) -> Result<Paramete
     if problems.is_empty() { Ok(after) } else { Err(refusal("nothing was changed", problems)) }
 }
 
-/// What the drive has said, at each changed parameter that it names, by the name of the key or by the device's own; at all of
-/// them if it names none of them.
+/// The drive's answer at each changed parameter that it names, by key or by the device's own name. If it names none,
+/// at all of them.
 fn refused_by_drive(error: &anyhow::Error, changes: &[(String, String)]) -> Refusal {
     if !error.chain().any(|cause| Failure::of_cause(cause) == Some(Failure::Refused)) {
         return Refusal::of(error);

@@ -1,12 +1,14 @@
-//! The thread that talks to the rig on behalf of one page.
+//! The thread that talks to the rig for one page.
 //!
-//! It looks at the rig 20 times a second, which also tells the rig that its host is there. The drive is disarmed
+//! It looks at the rig 20 times a second. The looks also tell the rig that its host is there. The thread disarms the
+//! drive
 //!
-//! - when the page goes: its tab is closed, its connection is lost,
-//! - when the page is silent for [`PAGE_SILENCE`] although its connection stands; for [`MOTION_SILENCE`] while the drive moves,
+//! - when the page goes: its tab is closed, or its connection is lost;
+//! - when the page is silent for [`PAGE_SILENCE`] although its connection stands, or for [`MOTION_SILENCE`] while the
+//!   drive moves;
 //! - when a jog button is not confirmed for [`JOG_SILENCE`].
 //!
-//! When the whole program goes, the rig trips for want of its host (`safety.host_silence_s`).
+//! When the whole program ends, the rig trips because its host is silent (`safety.host_silence_s`).
 
 mod motion;
 
@@ -35,13 +37,13 @@ use super::parameters;
 use super::record::record;
 use super::seen::{End, Seen, Teller, is_enabled};
 
-/// Between two looks at the rig.
+/// Time between two looks at the rig.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// The same while samples are streamed: listening to the stream takes its time, too.
+/// The same while samples are streamed: reading the stream takes time, too.
 const LOOK_STREAMED: Duration = Duration::from_millis(20);
 
-/// How often the rows that remain are asked for when a test follows another one at once.
+/// Time between two requests for the remaining rows when the next test follows at once.
 const REST_OF_STREAM: usize = 8;
 
 /// Talks to the rig at a port until the page goes or the link breaks.
@@ -60,11 +62,11 @@ struct Pilot<'a> {
     orders: Orders<'a>,
     /// Whether the page has enabled the drive.
     is_ours: bool,
-    /// The jog button that is held, and when it was confirmed last.
+    /// The jog button that is held, and when it was last confirmed.
     jog: Option<(Direction, Instant)>,
-    /// The samples of the test that was started.
+    /// The samples of the started test.
     live: Option<Live>,
-    /// The test to whose start the drive is on its way.
+    /// The test to whose start the drive is moving.
     next: Option<Box<Rig>>,
 }
 
@@ -76,7 +78,7 @@ impl<'a> Pilot<'a> {
         Ok(pilot)
     }
 
-    /// Learns what the figures of the drive mean.
+    /// Reads the scales of the drive's figures.
     fn read_scales(&mut self) -> Result<()> {
         let parameters = self.client.parameters()?;
         self.teller.units = Units::of(&parameters);
@@ -108,14 +110,14 @@ impl<'a> Pilot<'a> {
         Ok(status)
     }
 
-    /// Tells the samples that have come.
+    /// Passes on the samples that have arrived.
     fn stream(&mut self, is_running: bool) {
         let Some(live) = &mut self.live else { return };
         match live.take(&mut self.client, !is_running) {
             Ok(Some(rows)) => live.put(&rows, &mut self.teller.seen().samples, &self.teller.units),
             Ok(None) => {
                 self.live = None;
-                // The rig streams nothing between tests in any case.
+                // Between tests the rig streams nothing anyway.
                 let _ = self.client.stream_end();
             }
             Err(error) => {
@@ -129,7 +131,7 @@ impl<'a> Pilot<'a> {
         self.teller.tell(message);
     }
 
-    /// Disarms a drive whose page or button is not heard any more.
+    /// Disarms the drive if its page or button has been silent for too long.
     fn watch_page(&mut self) -> Result<()> {
         if let Some((direction, confirmed)) = &mut self.jog {
             *confirmed = self.orders.confirmed(*direction).unwrap_or(*confirmed);
@@ -144,14 +146,14 @@ impl<'a> Pilot<'a> {
         Ok(())
     }
 
-    /// Disarms what the page has armed.
+    /// Disarms the drive if the page has armed it.
     fn release(&mut self) -> Result<()> {
         self.jog = None;
         self.follows_with(None);
         if std::mem::take(&mut self.is_ours) { self.client.disarm() } else { Ok(()) }
     }
 
-    /// Carries out an order; a refusal is told.
+    /// Carries out an order; the page is told of a refusal.
     fn take(&mut self, Arrived { order, at }: Arrived) {
         if !matches!(order, Order::Alive | Order::Jog(..) | Order::Ask(..)) {
             self.tell("");
@@ -183,7 +185,7 @@ impl<'a> Pilot<'a> {
         }
     }
 
-    /// Does what is answered.
+    /// Carries out a task with an answer.
     fn answer(&mut self, task: Task) -> Result<Value, Refusal> {
         let answer = match task {
             Task::Way(rig) => self.way(&rig).map(|way| way.map_or(Value::Null, |way| way.question())),
@@ -199,13 +201,13 @@ impl<'a> Pilot<'a> {
         })
     }
 
-    /// Carries out the order that has ended what takes longer.
+    /// Carries out the order that has ended a long task.
     fn end(&mut self, ended: Option<&Ended>) {
         let stops = self.orders.stops();
         let (what, done) = match ended {
             _ if !stops.is_empty() => ("stopped", self.stop(stops)),
             Some(Ended::Aborted) => ("disarmed", self.disarm()),
-            // The page is not there any more, which is noticed at the next look.
+            // The page has gone; the next look notices that.
             _ => return,
         };
         if let Err(error) = done {
@@ -223,19 +225,19 @@ impl<'a> Pilot<'a> {
         for _ in 0..REST_OF_STREAM {
             self.stream(false);
         }
-        // Its pulses are recorded, too, and none of them is the test of the page.
+        // Its pulses are recorded, too, but none of them is the test of the page.
         self.teller.seen().run_began_s = None;
         let made = bring_up(&mut self.client, &mut self.orders, &self.teller, options);
-        // Its last request may have had no answer; then the drive is still enabled.
+        // Its last request may have had no answer, so the drive may still be enabled.
         self.is_ours |= self.client.commands();
         made
     }
 
-    /// Stops the drive; those who wait for it hear of it, or that it is not done.
+    /// Stops the drive and tells `waiting`. If it fails, `waiting` is dropped, which tells that it is not done.
     fn stop(&mut self, waiting: Vec<Stopped>) -> Result<()> {
         self.client.stop()?;
         for stopped in waiting {
-            // Who has gone meanwhile hears nothing.
+            // Those who have gone meanwhile hear nothing.
             let _ = stopped.send(());
         }
         Ok(())
@@ -249,12 +251,12 @@ impl<'a> Pilot<'a> {
 
     fn disarm(&mut self) -> Result<()> {
         let done = self.client.disarm();
-        // Without an answer it may still be enabled.
+        // Without an answer the drive may still be enabled.
         (self.is_ours, self.jog) = (self.client.commands(), None);
         done
     }
 
-    /// Homes the drive; one that is armed for it and refuses is disarmed again.
+    /// Homes the drive. If it was armed for this and refuses, it is disarmed again.
     fn home(&mut self) -> Result<()> {
         let is_to_arm = self.look()?.mode == Mode::Disarmed;
         if is_to_arm {
@@ -264,7 +266,7 @@ impl<'a> Pilot<'a> {
     }
 }
 
-/// Whether an order ends the way to the start of a test: nothing follows then.
+/// Whether an order ends the way to the start of a test, so that no test follows.
 fn ends_way(order: &Order) -> bool {
     let goes_by = |task: &Task| matches!(task, Task::Way(_) | Task::Parameters(_) | Task::Save);
     match order {
@@ -274,7 +276,7 @@ fn ends_way(order: &Order) -> bool {
     }
 }
 
-/// What the drive does not do now is refused; all else has failed.
+/// A request that the drive refuses is a refusal; every other failure is an error.
 fn refused(error: &Error) -> Refusal {
     let is_refusal =
         error.is::<Ended>() || error.chain().any(|cause| Failure::of_cause(cause) == Some(Failure::Refused));

@@ -1,4 +1,4 @@
-//! A slow move: a setpoint that goes in small steps, as a test has no ramps.
+//! A slow move, as a setpoint in small steps.
 
 use anyhow::{Result, bail};
 use pneudrive_controller::parameters::id;
@@ -14,8 +14,8 @@ pub const JOG_MM_PER_S: f64 = 10.0;
 /// Rate of a move to a place, mm/s.
 pub const GO_MM_PER_S: f64 = 50.0;
 
-/// Most steps of a move; a test has room for 64.
-const MAX_STEPS: f64 = 60.0;
+/// Most steps of a move: a test has room for 64.
+const MOST_STEPS: f64 = 60.0;
 
 /// Shortest time of a step, s.
 const STEP_S: f64 = 0.05;
@@ -23,11 +23,11 @@ const STEP_S: f64 = 0.05;
 /// How long the drive has to settle before its test is over, s.
 const SETTLING_S: f64 = 0.2;
 
-/// The rig with a test that takes the setpoint from one place to another at a constant rate; places in mm. Beyond the stroke it
-/// ends at its end.
+/// The rig with a test that moves the setpoint at a constant rate from one place to another, mm. A place beyond the
+/// stroke becomes the end of the stroke.
 ///
 /// # Errors
-/// When the loop is open: then a test has no setpoints.
+/// When the loop is open: such a test has no setpoints.
 pub fn slow_move(rig: &Rig, from_mm: f64, to_mm: f64, mm_per_s: f64) -> Result<Rig> {
     if rig.get(&keys::controller::LOOP) == Loop::Open {
         bail!("the loop is open, so the drive cannot be moved to a place");
@@ -49,7 +49,7 @@ pub fn slow_move(rig: &Rig, from_mm: f64, to_mm: f64, mm_per_s: f64) -> Result<R
     Ok(rig.with_test(&test)?)
 }
 
-/// From where to where a drive with these parameters goes in closed loop, mm: within its stroke and its software end positions.
+/// The range of a drive with these parameters in closed loop, mm: within its stroke and its soft limits.
 pub fn reachable(rig: &Rig, there: &RigParameters) -> [f64; 2] {
     let end = |id, otherwise: f64| {
         let counts = there.values.get(id).filter(|_| !there.lacking.contains(&id));
@@ -80,7 +80,7 @@ mod tests {
             let rounding = 0.0121 + rate * 1e-3;
             for (time, counts) in &moves {
                 let ahead = (mm(*counts) - from).abs() - rate * time;
-                // A step begins at the place where it will be when it is over.
+                // A step begins with the place that the setpoint has at its end.
                 let largest = ((to - from).abs() / 60.0).max(rate * STEP_S) + rounding;
                 assert!(ahead <= largest, "{ahead} mm ahead at {time} s");
             }

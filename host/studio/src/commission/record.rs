@@ -8,13 +8,13 @@ use serde_json::{Value, json};
 use super::order::Orders;
 use super::seen::Teller;
 
-/// What a page is told that wants to move the drive meanwhile.
+/// The answer to a page that wants to move the drive meanwhile.
 const BUSY: &str = "not now: the record is being read";
 
-/// Downloads the record; its name in the answer is that of its CRC, so the same record has the same name.
+/// Downloads the record. Its name contains its CRC, so the same record has the same name.
 ///
 /// # Errors
-/// When there is none, the rig does not answer, or the page ends it ([`Ended`](super::ended::Ended)).
+/// When there is no record, the rig does not answer, or the page ends the download ([`Ended`](super::ended::Ended)).
 pub fn record(client: &mut Client, orders: &mut Orders<'_>, teller: &Teller<'_>) -> Result<Value> {
     let (crc32, file) = to_memory(client, &mut |_, _| {
         let heard = orders.goes_on();

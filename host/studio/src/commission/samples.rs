@@ -1,7 +1,8 @@
-//! Samples on their way to the page, on one axis of time.
+//! Samples for the page, on one time axis.
 //!
-//! While a test runs, they are those of the rig's stream; between tests they are looks at the rig, 20 a second. Where some are
-//! missing there is a row without values, so that nothing is drawn across. A page that does not read finds the last minute.
+//! During a test they are the samples of the rig's stream. Between tests they are looks at the rig, 20 a second. A
+//! row without values marks missing samples, so that no line is drawn across the gap. A page that has not read for a
+//! while still gets the last minute.
 
 use std::collections::VecDeque;
 
@@ -12,7 +13,7 @@ use serde::Serialize;
 /// Looks further apart than this have a gap between them, s.
 const APART_S: f64 = 0.25;
 
-/// A row for the page; what is unknown is NaN, which is null in JSON.
+/// A row for the page. Unknown values are NaN, null in JSON.
 #[derive(Clone, Copy, Debug)]
 pub struct Row {
     /// mm.
@@ -30,7 +31,8 @@ pub struct Row {
 }
 
 impl Row {
-    /// A sample of a test. Its error tells the setpoint, unless it is at the limit of its bits, or the loop is open.
+    /// A sample of a test. Its error gives the setpoint, unless the error is at the limit of its bits or the loop is
+    /// open.
     pub fn of_stream(sample: &RecordedSample, is_closed: bool, units: &Units) -> Row {
         let RecordedSample { position, error, .. } = *sample;
         let tells = is_closed && error != i16::MAX && error != i16::MIN;
@@ -55,40 +57,40 @@ impl Row {
 /// Setpoint, position, both pressures, spool, error, command.
 const CHANNELS: usize = 7;
 
-/// Most rows that are kept: a minute of a fast stream.
-const MAX_ROWS: usize = 60_000;
+/// Most rows kept: a minute of a fast stream.
+const MOST_ROWS: usize = 60_000;
 
-/// Rows that the page has not been told of yet, by channel.
+/// Rows that the page has not received yet, by channel.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Samples {
     /// Since the page took command, s.
     time: VecDeque<f64>,
     /// In the order of the channels.
     channels: [VecDeque<f32>; CHANNELS],
-    /// The last one, told or not.
+    /// The last row, received or not.
     #[serde(skip)]
     last: Option<f64>,
 }
 
 impl Samples {
-    /// When the last one was.
+    /// The time of the last row.
     pub fn last(&self) -> f64 {
         self.last.unwrap_or(0.0)
     }
 
-    /// Adds what a look has seen. One from before the last sample is passed over: a virtual rig may be ahead of the clock.
+    /// Adds a look. A look from before the last sample is skipped: a virtual rig may be ahead of the clock.
     pub fn look(&mut self, at_s: f64, row: &Row) {
         if self.last.is_none_or(|last| at_s > last) {
             self.add(at_s, row, self.is_apart(at_s));
         }
     }
 
-    /// Whether a time is so long after the last sample that some are missing.
+    /// Whether this time is so long after the last sample that samples are missing.
     pub fn is_apart(&self, at_s: f64) -> bool {
         self.last.is_some_and(|last| at_s - last > APART_S)
     }
 
-    /// Adds a row; `is_behind_gap`: those before it are missing.
+    /// Adds a row. `is_behind_gap`: samples before it are missing.
     pub fn add(&mut self, at_s: f64, row: &Row, is_behind_gap: bool) {
         if is_behind_gap {
             self.push(0.5 * (self.last() + at_s), [f32::NAN; CHANNELS]);
@@ -105,7 +107,7 @@ impl Samples {
         }
     }
 
-    /// Loses the first row; the one behind it loses its values, as it is behind a gap now.
+    /// Drops the first row. The next one loses its values, because it is now behind a gap.
     fn lose_first(&mut self) {
         self.time.pop_front();
         for channel in &mut self.channels {
@@ -114,7 +116,7 @@ impl Samples {
         }
     }
 
-    /// Those that the page has not been told of; they are told now.
+    /// The rows that the page has not received; it receives them now.
     pub fn told(&mut self) -> Option<Samples> {
         let last = self.last;
         let told = std::mem::replace(self, Samples { last, ..Samples::default() });

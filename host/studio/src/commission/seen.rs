@@ -1,4 +1,4 @@
-//! What the page sees of the drive.
+//! The state of the drive, for the page.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
@@ -11,25 +11,25 @@ use serde_json::{Value, json};
 
 use super::samples::{Row, Samples};
 
-/// The drive as it was at the last look; figures are None where the rig does not tell their scale.
+/// The drive at the last look. Figures are None if the rig does not state their scale.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Seen {
     /// Counts the looks.
     pub look: u32,
-    /// disarmed, armed, running, holding or fault; approaching on the way to the start of a test; connecting before the first
-    /// look.
+    /// disarmed, armed, running, holding, fault; `approaching` on the way to the start of a test; `connecting` before
+    /// the first look.
     pub mode: &'static str,
-    /// Why it tripped, and what that means; empty if it did not.
+    /// The cause of the trip and its meaning; empty without one.
     pub fault: String,
     /// Whether its valve may move it.
     pub is_enabled: bool,
     /// Whether its axis is referenced.
     pub referenced: bool,
-    /// How long its test has been running, s; None while none is.
+    /// How long its test has been running, s; None without a test.
     pub run_s: Option<f64>,
-    /// When the last test began, s of the samples.
+    /// When the last test began, s on the time axis of the samples.
     pub run_began_s: Option<f64>,
-    /// Samples a second while a test runs; None where the firmware has no streams.
+    /// Samples per second during a test; None if the firmware has no streams.
     pub stream_hz: Option<f64>,
     /// mm.
     pub setpoint: Option<f64>,
@@ -43,23 +43,23 @@ pub struct Seen {
     pub pressures: [Option<f64>; 2],
     /// mm.
     pub spool: Option<f64>,
-    /// The last thing that the page must know; empty if there is none.
+    /// The last message for the page; empty without one.
     pub message: String,
     /// Whether the link has ended.
     pub is_over: bool,
-    /// Whether it is on the way to the start of a test, which follows.
+    /// Whether it moves to the start of a test, which follows.
     #[serde(skip)]
     pub approaches: bool,
     /// Samples since the last line.
     #[serde(skip)]
     pub samples: Samples,
-    /// The bring-up, since something has changed in it.
+    /// The bring-up, if it has changed.
     #[serde(skip)]
     pub bring_up: Option<Value>,
 }
 
 impl Seen {
-    /// Takes what the rig says of itself.
+    /// Takes over what the rig reports.
     pub fn take(&mut self, status: &Status, units: &Units) {
         let is_fault = status.mode == Mode::Fault;
         let fault =
@@ -90,7 +90,7 @@ impl Seen {
         Row { setpoint, position, pressures, spool, error, command }
     }
 
-    /// A line for the page: the drive, and what is new since the last one.
+    /// A line for the page: the drive, and everything new since the last line.
     pub fn line(&mut self) -> Value {
         let mut line = json!(*self);
         if let Some(samples) = self.samples.told() {
@@ -103,7 +103,7 @@ impl Seen {
     }
 }
 
-/// Tells the page of the drive.
+/// Reports the drive to the page.
 #[derive(Debug)]
 pub struct Teller<'a> {
     seen: &'a Mutex<Seen>,
@@ -113,7 +113,7 @@ pub struct Teller<'a> {
 }
 
 impl<'a> Teller<'a> {
-    /// Tells what the rig says with these scales; the axis of time begins now.
+    /// Reports with these scales. The time axis begins now.
     pub fn new(seen: &'a Mutex<Seen>, units: Units) -> Teller<'a> {
         Teller { seen, begun: Instant::now(), units }
     }
@@ -123,12 +123,12 @@ impl<'a> Teller<'a> {
         self.seen.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Now, s of the samples.
+    /// Now, s on the time axis of the samples.
     pub fn now_s(&self) -> f64 {
         self.begun.elapsed().as_secs_f64()
     }
 
-    /// Tells what a look has seen; `is_sample`: no stream has the samples of this time.
+    /// Reports a look. `is_sample`: no stream delivers samples at this time.
     pub fn look(&self, status: &Status, is_sample: bool) {
         let now_s = self.now_s();
         let mut seen = self.seen();
@@ -139,13 +139,13 @@ impl<'a> Teller<'a> {
         }
     }
 
-    /// Tells a message; an empty one takes the last one back.
+    /// Reports a message; an empty one removes the last.
     pub fn tell(&self, message: impl Into<String>) {
         self.seen().message = message.into();
     }
 }
 
-/// Tells the page when the link ends, however it ends.
+/// Tells the page when the link ends, for whatever reason.
 pub struct End<'a>(pub &'a Mutex<Seen>);
 
 impl Drop for End<'_> {
@@ -158,15 +158,15 @@ impl Drop for End<'_> {
     }
 }
 
-/// Whether the figures of a status come from a sample. Between arming or a start and the first sample they are all zero.
-/// Those of a drive without pressure sensors may be so at rest, too, and are taken as they are.
+/// Whether the figures of a status come from a sample. Between arming or a start and the first sample they are all
+/// zero. A drive without pressure sensors may report zeros at rest, too; these count as a sample.
 fn has_sampled(status: &Status, units: &Units) -> bool {
     let raw = [status.pressure_1, status.pressure_2, status.spool, status.command];
     let measures_pressures = units.raw_pressure(0).is_some();
     !measures_pressures || status.index > 0 || status.position != 0 || raw.iter().any(|raw| *raw != 0)
 }
 
-/// Whether a drive in a mode may be moved by its valve.
+/// Whether the valve may move a drive in this mode.
 #[must_use]
 pub fn is_enabled(mode: Mode) -> bool {
     mode.moves() || matches!(mode, Mode::Armed | Mode::Done)

@@ -5,10 +5,10 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use pneudrive_link::client::Client;
 use tokio::sync::oneshot;
 
-/// Where it is told that the drive was stopped, or why not.
+/// Receives that the drive was stopped, or why not.
 type Waiting = oneshot::Sender<Result<(), String>>;
 
-/// The thread that stops the drive, and does nothing else. It ends with this.
+/// The thread that only stops the drive. It ends when this is dropped.
 #[derive(Debug)]
 pub struct Stopper {
     asked: Sender<Waiting>,
@@ -23,10 +23,10 @@ impl Stopper {
         Stopper { asked }
     }
 
-    /// Stops the drive. Those who ask while it is tried wait for the next try, all for the same one.
+    /// Stops the drive. Requests that arrive during a try wait for the next try, which answers all of them.
     ///
     /// # Errors
-    /// When it cannot be stopped: with the reason.
+    /// The reason why it cannot be stopped.
     pub async fn stop(&self) -> Result<(), String> {
         let (waiting, told) = oneshot::channel();
         let failed = || "the studio has failed; stop the drive by its hardware".to_owned();
@@ -41,7 +41,7 @@ fn serve(port: &str, waiting: &Receiver<Waiting>) {
         let stopped = Client::connect(port).and_then(|mut client| client.stop());
         let told = stopped.map_err(|error| format!("{error:#}"));
         for one in std::iter::once(first).chain(others) {
-            // Who has gone meanwhile hears nothing.
+            // Those who have gone meanwhile hear nothing.
             let _ = one.send(told.clone());
         }
     }

@@ -1,5 +1,5 @@
-//! The way of a drive to the start of a test: a test is run from the place that it was designed from, and a drive that stands
-//! elsewhere goes there slowly, after a question.
+//! The way of a drive to the start of a test. A test runs from the place that it was designed for. A drive that
+//! stands elsewhere goes there slowly, after a question.
 
 use anyhow::{Result, bail};
 use pneudrive_sim::Rig;
@@ -9,16 +9,16 @@ use serde_json::{Value, json};
 
 use super::ramp::GO_MM_PER_S;
 
-/// A drive that stands so near to the start stands there, mm.
+/// A drive this near to the start counts as there, mm.
 const NEAR_MM: f64 = 1.0;
 
-/// How far it may have crept since it was found there, mm.
+/// How far it may have crept since it was found at the start, mm.
 const CREPT_MM: f64 = 3.0;
 
-/// How far from the start it may end its way, mm.
+/// How far from the start its way may end, mm.
 const REACHED_MM: f64 = 5.0;
 
-/// How far it may stand from where the question said that it stands, mm.
+/// How far it may stand from the place that the question named, mm.
 const MOVED_MM: f64 = 20.0;
 
 /// Where a drive stands, and where its test starts.
@@ -31,7 +31,8 @@ pub struct Way {
 }
 
 impl Way {
-    /// The way from a place to the start of a rig's test; None in open loop, where a test starts wherever the drive stands.
+    /// The way from a place to the start of a rig's test. None in open loop, where a test starts wherever the drive
+    /// stands.
     pub fn of(rig: &Rig, from_mm: f64) -> Option<Way> {
         let to_mm = 1e3 * rig.get(&keys::test::POSITION_M);
         (rig.get(&controller::LOOP) == Loop::Closed).then_some(Way { from_mm, to_mm })
@@ -41,7 +42,7 @@ impl Way {
         (self.to_mm - self.from_mm).abs()
     }
 
-    /// What the page asks its user; null where there is nothing to ask.
+    /// The question for the user; null if there is none.
     pub fn question(&self) -> Value {
         if self.length_mm() <= NEAR_MM {
             return Value::Null;
@@ -55,7 +56,7 @@ impl Way {
         json!({ "from_mm": from_mm, "to_mm": to_mm, "text": text })
     }
 
-    /// Whether the drive has to go this way first; `agreed_mm`: where it stood, mm, when the page agreed to the way.
+    /// Whether the drive has to go this way first. `agreed_mm`: where it stood when the page agreed to the way, mm.
     ///
     /// # Errors
     /// When the page has not agreed to it.
@@ -73,7 +74,7 @@ impl Way {
         }
     }
 
-    /// Refuses to run the test of a drive that has gone its way and ended elsewhere.
+    /// Refuses the test of a drive whose way has ended elsewhere.
     pub fn check_end(&self) -> Result<()> {
         if self.length_mm() <= REACHED_MM {
             return Ok(());
