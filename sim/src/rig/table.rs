@@ -1,4 +1,4 @@
-//! The list of all keys: those of the components, in the order of DESIGN section 5.
+//! The list of all keys: those of the components, in the order in which `rig explain` shows them.
 
 use crate::key::{Key, Preset, keys};
 use crate::values::{Rig, Value};
