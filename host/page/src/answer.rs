@@ -19,7 +19,7 @@ pub enum Answer {
 }
 
 /// Requests that bring a rig and need nothing else: no server, no file.
-pub const REQUESTS: [&str; 7] = ["check", "run", "neighbours", "compare", "spectrum", "difference", "plan"];
+pub const REQUESTS: [&str; 7] = ["check", "run", "ensemble", "compare", "spectrum", "difference", "plan"];
 
 /// Answers a request: `keys`, `choices`, `rig`, `written`, or one of [`REQUESTS`]. Long work is cancelled when
 /// `wanted` becomes false.

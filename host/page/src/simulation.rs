@@ -19,7 +19,7 @@ use crate::columns::{Column, Columns};
 use crate::refusal::Refusal;
 
 /// The longest run while a page waits, samples: a second or two.
-pub const MOST_SAMPLES: u32 = 200_000;
+pub const MAX_SAMPLES: u32 = 200_000;
 
 /// A curve of the page: its name, its unit, its column of trace.csv, and the factor between them; 0 stands for the
 /// length of a count, mm.

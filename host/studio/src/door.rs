@@ -3,8 +3,8 @@
 //!
 //! | connection | may stay | at most |
 //! |---|---|---|
-//! | without the token | [`STRANGER_WAIT`]; the oldest leaves for a new one after [`HURRY`] | [`MOST_STRANGERS`] |
-//! | with the token | as long as it likes; beyond the limit the one that was silent longest leaves for a new one, but never one on which a page follows the drive or a study | [`MOST_KNOWN`] |
+//! | without the token | [`STRANGER_WAIT`]; the oldest leaves for a new one after [`HURRY`] | [`MAX_STRANGERS`] |
+//! | with the token | as long as it likes; beyond the limit the one that was silent longest leaves for a new one, but never one on which a page follows the drive or a study | [`MAX_KNOWN`] |
 
 use std::pin::pin;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -27,10 +27,10 @@ pub const STRANGER_WAIT: Duration = Duration::from_secs(10);
 pub const HURRY: Duration = Duration::from_millis(100);
 
 /// Most connections without the token.
-pub const MOST_STRANGERS: usize = 64;
+pub const MAX_STRANGERS: usize = 64;
 
 /// Most connections with the token; a page has six.
-pub const MOST_KNOWN: usize = 96;
+pub const MAX_KNOWN: usize = 96;
 
 /// Time between two looks for a free place.
 const LOOK_AGAIN: Duration = Duration::from_millis(5);

@@ -5,7 +5,7 @@
 //! | a `Host` that is neither an address nor `localhost` | a foreign name that resolves to this machine makes its page ours (DNS rebinding) |
 //! | an `Origin` that is not this server | another page asks |
 //! | a request for `/api` without the token; with a wrong one after [`PAUSE`] | the sender was not given the address |
-//! | a body of more than [`MOST_BYTES`]; with a record to overlay, of more than [`MOST_BYTES_OF_RECORD`] | no rig file is that long; no page waits for a longer record |
+//! | a body of more than [`MAX_BYTES`]; with a record to overlay, of more than [`MAX_BYTES_OF_RECORD`] | no rig file is that long; no page waits for a longer record |
 
 use std::net::{IpAddr, SocketAddr};
 use std::sync::Arc;

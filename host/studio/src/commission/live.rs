@@ -11,7 +11,7 @@ use pneudrive_records::units::Units;
 use super::samples::{Row, Samples};
 
 /// Most samples per second: a page can draw a minute of them.
-const MOST_HZ: f64 = 1000.0;
+const MAX_HZ: f64 = 1000.0;
 
 /// The stream of one test.
 #[derive(Debug)]

@@ -15,7 +15,7 @@ pub const JOG_MM_PER_S: f64 = 10.0;
 pub const GO_MM_PER_S: f64 = 50.0;
 
 /// Most steps of a move: a test has room for 64.
-const MOST_STEPS: f64 = 60.0;
+const MAX_STEPS: f64 = 60.0;
 
 /// Shortest time of a step, s.
 const STEP_S: f64 = 0.05;

@@ -58,7 +58,7 @@ impl Row {
 const CHANNELS: usize = 7;
 
 /// Most rows kept: a minute of a fast stream.
-const MOST_ROWS: usize = 60_000;
+const MAX_ROWS: usize = 60_000;
 
 /// Rows that the page has not received yet, by channel.
 #[derive(Clone, Debug, Default, Serialize)]
