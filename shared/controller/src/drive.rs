@@ -1,10 +1,10 @@
-//! The drive stages: what becomes of a command at the output instant.
+//! The drive stages: from a command to the valve at the output instant.
 //!
-//! - **DAC** (solenoid valve, thesis 6.3.2.2): the command in counts of a 12-bit converter. The board
-//!   writes `clamp(null_code + polarity * counts, 0, 4095)`; only the board forms that code. At a null code of
-//!   2048 the command +2048 has no code of its own: it gets that of +2047.
-//! - **Stepper** (thesis 6.3.2.1): the command is a spool location in steps. One pulse a sample goes
-//!   toward it, and the location is kept in SPLLOC, since nothing measures it.
+//! - **DAC** (solenoid valve, thesis 6.3.2.2): the command is in counts of a 12-bit converter. The board writes
+//!   `clamp(null_code + polarity * counts, 0, 4095)`; only the board forms that code. At a null code of 2048 the
+//!   command +2048 has no code of its own and gets the code of +2047.
+//! - **Stepper** (thesis 6.3.2.1): the command is a spool location in steps. One pulse a sample goes toward it.
+//!   SPLLOC counts the pulses, since nothing measures the location.
 
 /// The largest command of a DAC, counts: half the range of a 12-bit converter.
 pub const MAX_COUNTS: i16 = 2048;
@@ -19,20 +19,20 @@ pub enum DriveConfig {
     Dac(DacConfig),
     /// A translator of step pulses.
     Stepper {
-        /// Furthest location from mid-travel, steps; at most [`MAX_COUNTS`].
+        /// Largest distance from mid-travel, steps; at most [`MAX_COUNTS`].
         max_steps: i16,
-        /// What the translator needs of its two lines.
+        /// The timing of the translator's two lines.
         translator: Translator,
     },
 }
 
-/// The timing of a step/direction translator. The board keeps it, by hardware timers as a rule: the
-/// direction stands for `direction_setup_us` before the pulse, which lasts `pulse_width_us`.
+/// The timing of a step/direction translator. The board keeps it, usually with hardware timers: the direction stands
+/// for `direction_setup_us` before the pulse, which lasts `pulse_width_us`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Translator {
     /// Length of a pulse, us.
     pub pulse_width_us: u32,
-    /// The direction stands so long before the pulse, us.
+    /// The direction stands this long before the pulse, us.
     pub direction_setup_us: u32,
 }
 
@@ -63,7 +63,7 @@ impl DriveConfig {
 }
 
 impl DacConfig {
-    /// The code for a command. Always within the converter's range, for any command.
+    /// The code for a command, within the converter's range for any command.
     #[must_use]
     pub fn code(&self, counts: i16) -> u16 {
         let counts = i32::from(counts);
@@ -72,12 +72,12 @@ impl DacConfig {
     }
 }
 
-/// Where the spool of a stepper valve is: SPLLOC, steps from mid-travel.
+/// The spool location of a stepper valve: SPLLOC, steps from mid-travel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SpoolLocation(i16);
 
 impl SpoolLocation {
-    /// So many steps from mid-travel.
+    /// A location this many steps from mid-travel.
     #[must_use]
     pub fn at(steps: i16) -> SpoolLocation {
         SpoolLocation(steps)
@@ -89,7 +89,7 @@ impl SpoolLocation {
         self.0
     }
 
-    /// The pulse toward `target`: -1, 0 or 1; the location is kept.
+    /// The pulse toward `target`: -1, 0 or 1. Updates the location.
     pub(crate) fn step_toward(&mut self, target: i16) -> i8 {
         let step = (i32::from(target) - i32::from(self.0)).signum();
         self.0 = self.0.saturating_add(step as i16);

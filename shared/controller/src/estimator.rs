@@ -5,9 +5,9 @@
 //! n_a[k] = n_v[k] - n_v[k - Wa]      counts per Wv and Wa samples
 //! ```
 //!
-//! The thesis's "vary mode" is lost; EQUATIONS section 9 resolves it to these windows (5 and 3
-//! samples by default). One history of positions serves both: n_a needs n at k, k - Wv, k - Wa and
-//! k - Wv - Wa. Values are exact: no rounding, no overflow (34 bits at most, held in 64).
+//! The thesis's "vary mode" is lost; EQUATIONS section 9 replaces it by these windows (5 and 3 samples by default).
+//! One history of positions serves both: n_a needs n at k, k - Wv, k - Wa and k - Wv - Wa. Values are exact: no
+//! rounding, no overflow (34 bits at most, held in 64).
 
 /// Positions kept; the sum of both windows must be smaller.
 const HISTORY: usize = 128;
@@ -37,7 +37,7 @@ impl EstimatorConfig {
 pub struct Motion {
     /// `n[k]`, counts.
     pub position: i32,
-    /// `|n[k] - n[k-1]|`, counts: what the supervisor judges the encoder by.
+    /// `|n[k] - n[k-1]|`, counts: the supervisor checks the encoder by it.
     pub step: u32,
     /// `n_v[k]`, counts per velocity window.
     pub velocity: i64,
@@ -45,18 +45,18 @@ pub struct Motion {
     pub acceleration: i64,
 }
 
-/// The history of positions. Before its first sample the drive stood where that one found it, so a
-/// drive at rest has no velocity.
+/// The history of positions. Before its first sample the drive counts as at rest at that position, so a drive at rest
+/// has no velocity.
 #[derive(Clone, Debug)]
 pub struct Estimator {
     positions: [i32; HISTORY],
     newest: usize,
-    /// Samples taken, as far as they are kept.
+    /// The number of samples taken, as far as they are kept.
     taken: usize,
 }
 
-/// Two are equal that make the same of whatever comes next: where in their memory the positions stand does not count, nor how
-/// long a drive has stood where its first sample found it.
+/// Two histories are equal if they give the same results from any further samples. Neither their arrangement in
+/// memory counts, nor how long a drive has stood since its first sample.
 impl PartialEq for Estimator {
     fn eq(&self, other: &Estimator) -> bool {
         let have_begun = [self, other].map(|it| it.taken > 0);
@@ -78,7 +78,7 @@ impl Estimator {
         self.taken = 0;
     }
 
-    /// Takes the position at sample k and tells the motion at k.
+    /// Takes the position at sample k and returns the motion at k.
     pub fn update(&mut self, config: &EstimatorConfig, position: i32) -> Motion {
         let windows = if self.taken < HISTORY { self.begin(config, position) } else { config.windows() };
         let step = position.abs_diff(self.back(0));
@@ -104,7 +104,7 @@ impl Estimator {
         config.windows().map(|samples| samples.min(taken))
     }
 
-    /// All positions that may yet count, the newest one first.
+    /// All positions that may still matter, the newest first.
     fn history(&self) -> impl Iterator<Item = i32> + '_ {
         let first = self.taken.saturating_sub(1);
         (0..HISTORY - 1).map(move |samples| self.back(samples.min(first)))

@@ -8,17 +8,17 @@ pub enum Fault {
     Stop = 1,
     /// The position left the stroke by more than the margin.
     PositionOutside = 2,
-    /// The encoder moved further in one sample than the drive can.
+    /// The encoder moved further in one sample than the drive can move.
     EncoderStep = 3,
     /// A sample came later than allowed, or not at all.
     LateSample = 4,
-    /// The host was silent for too long while a move or a homing run was on.
+    /// The host was silent for too long during a move or a homing run.
     HostSilent = 5,
-    /// A run was asked for while the drive was disarmed.
+    /// A run was requested while the drive was disarmed.
     CommandWhileDisarmed = 6,
-    /// A pressure sensor reads what no pressure is: open, or shorted.
+    /// A pressure sensor reads an impossible pressure: it is open or shorted.
     SensorRange = 7,
-    /// The valve is open and nothing moves.
+    /// The valve is open, but nothing moves.
     NoMotion = 8,
     /// The homing run found neither stop nor switch.
     HomingFailed = 9,
@@ -28,13 +28,13 @@ pub enum Fault {
     Watchdog = 11,
     /// The firmware broke down and reset the board.
     Panic = 12,
-    /// The valve is at its null and the cylinder moves.
+    /// The valve is at its null, but the cylinder moves.
     MotionAtNull = 13,
     /// An output came later than allowed.
     LateOutput = 14,
     /// The clock of the processor failed.
     ClockFailed = 15,
-    /// The watchdog is tried: it is not fed until it has reset the board.
+    /// A trial of the watchdog: the board does not feed it until it has reset the board.
     WatchdogTried = 16,
 }
 

@@ -1,10 +1,10 @@
-//! The homing run: slowly against a stop, or over the edge of a switch, to give counts their meaning.
+//! The homing run: moves slowly against a stop, or over the edge of a switch, to reference the axis.
 //!
-//! - **Stop**: the valve is held a little open until the encoder has stood still for a time that is longer
-//!   than the cylinder takes to start.
+//! - **Stop**: the valve is held slightly open until the encoder has stood still for longer than the cylinder takes
+//!   to start.
 //! - **Switch**: towards the switch until it closes.
 //!
-//! An encoder that counts nothing stands still anywhere. So the place is not believed before it has been found twice:
+//! An encoder that does not count stands still anywhere. So a place is accepted only when it has been found twice:
 //!
 //! ```text
 //! approach --there--> back off by `back_off` counts --> approach again --there, at the same place--> found
@@ -12,8 +12,9 @@
 //!                            +--- there, but elsewhere --------+
 //! ```
 //!
-//! A run that begins on its switch backs off first. A pause on the way back to a stop is not the stop: an axis that is
-//! reversed takes a while. What never comes to the same place twice runs until `timeout_samples`.
+//! A run that begins on its switch backs off first. A pause on the way back to a stop does not count as the stop,
+//! because an axis takes a while to reverse. If the same place is never found twice, the run ends after
+//! `timeout_samples`.
 
 use crate::choice::HomingKind;
 use crate::standstill::Standstill;
@@ -21,42 +22,42 @@ use crate::standstill::Standstill;
 /// The homing run's settings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct HomingConfig {
-    /// Where it ends.
+    /// The place where it ends.
     pub kind: HomingKind,
     /// Valve command towards the stop or the switch, counts; its sign is the direction.
     pub command: i16,
-    /// The position there, counts.
+    /// The position of that place, counts.
     pub position: i32,
-    /// The way back before the second approach, counts.
+    /// How far to back off before the second approach, counts.
     pub back_off: u32,
-    /// Standing still for so long is being at the stop, samples.
+    /// Standing still for this long means being at the stop, samples.
     pub still_samples: u32,
-    /// Within this distance; so near to each other are two finds of the same place, counts.
+    /// Tolerance of standing still, and of two finds of the same place, counts.
     pub still_counts: u32,
     /// Longest run, samples.
     pub timeout_samples: u32,
 }
 
-/// How a homing run stands.
+/// The state of a homing run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Progress {
-    /// Drive on, with this command.
+    /// Continue with this command.
     Seeking(i16),
-    /// The stop or the edge is here.
+    /// The stop or the edge is found.
     Found,
-    /// It has taken too long.
+    /// The time is over.
     TimedOut,
 }
 
 /// The legs of a homing run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Leg {
-    /// Towards the place for the first time.
+    /// The first approach.
     #[default]
     Approach,
-    /// Away from where it was found.
+    /// Back off from where it was found.
     BackOff { place: i32 },
-    /// Towards it again.
+    /// The second approach.
     ApproachAgain { place: i32 },
 }
 
@@ -65,13 +66,13 @@ enum Leg {
 pub(crate) struct Homing {
     taken: u32,
     standstill: Standstill,
-    /// What has pushed an axis that must move, while it stood.
+    /// The stall detector's sum for an axis that must move.
     pushed: Standstill,
     leg: Leg,
 }
 
 impl Homing {
-    /// Takes a sample of the run.
+    /// Takes one sample of the run.
     pub fn advance(&mut self, config: &HomingConfig, position: i32, on: bool) -> Progress {
         if self.taken == 0 {
             self.standstill.restart(position);
@@ -87,8 +88,8 @@ impl Homing {
         }
     }
 
-    /// The sum of `effort` over the samples that an axis has stood which must move; 0 on the way to a stop, where
-    /// standing still is what is looked for.
+    /// The sum of `effort` over the samples that an axis has stood although it must move. It is 0 on the way to a
+    /// stop, where standing still is the aim.
     pub fn pushed_for(&mut self, config: &HomingConfig, position: i32, effort: u32) -> u32 {
         if config.kind == HomingKind::Switch || matches!(self.leg, Leg::BackOff { .. }) {
             return self.pushed.pushed(position, config.still_counts, effort);
@@ -105,7 +106,7 @@ impl Homing {
         }
     }
 
-    /// Goes on to the next leg where this one ends. Whether the place has been found twice.
+    /// Goes on to the next leg where this one ends. Returns whether the place has been found twice.
     fn turn(&mut self, config: &HomingConfig, position: i32, there: bool, on: bool) -> bool {
         match self.leg {
             Leg::Approach if there => self.leg = Leg::BackOff { place: position },
@@ -137,7 +138,7 @@ impl Homing {
     }
 }
 
-/// How far the axis is from the place, on the side that it comes from, counts.
+/// Distance of the axis from the place, on the side that it comes from, counts.
 fn way_back(config: &HomingConfig, place: i32, position: i32) -> i64 {
     let beyond = i64::from(position) - i64::from(place);
     if config.command < 0 { beyond } else { -beyond }
@@ -160,7 +161,7 @@ mod tests {
     const TOWARDS: Progress = Progress::Seeking(-200);
     const AWAY: Progress = Progress::Seeking(200);
 
-    /// What becomes of each of these samples.
+    /// The progress at each of these samples.
     fn course<const N: usize>(config: &HomingConfig, samples: [(i32, bool); N]) -> [Progress; N] {
         let mut homing = Homing::default();
         samples.map(|(position, on)| homing.advance(config, position, on))
@@ -179,7 +180,7 @@ mod tests {
         assert_eq!(seen[12], Progress::Found);
     }
 
-    /// It was found where the axis happened to stand, and the drive closed its loop on nothing.
+    /// Once the place was found wherever the axis stood, and the drive closed its loop on a dead encoder.
     #[test]
     fn an_encoder_that_counts_nothing_finds_no_stop() {
         let seen = without_switch([90; 30]);

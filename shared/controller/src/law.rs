@@ -43,7 +43,7 @@ pub struct LawConfig {
     pub scale: NonZeroU32,
     /// Added to the demand: the command at which the valve is at its null, counts.
     pub null_offset: i16,
-    /// How much of the error at rest goes into the null offset; 0: nothing is learned.
+    /// The share of the error at rest that goes into the null offset; 0: nothing is learned.
     pub learning_gain: u16,
     /// The largest command that the drive stage takes, valve counts.
     pub largest: i16,

@@ -5,15 +5,14 @@
 //! demand     = ... + new offset / scale
 //! ```
 //!
-//! What error is left at rest is what the command at the valve's null is wrong by. The thesis adds the
-//! error itself, a gain of 1; its comparison lacks the magnitude of the error, without which errors of one
-//! sign always learn.
+//! The error that remains at rest shows how far the command is off the valve's null. The thesis adds the error
+//! itself, a gain of 1. Its comparison lacks the magnitude of the error; without it, errors of one sign always learn.
 
 use core::num::NonZeroU32;
 
 use crate::fixed::{divide_toward_zero, saturate};
 
-/// What has been learned: times the scale of the law, and in valve counts.
+/// The learned offset: times the scale of the law, and in valve counts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct NullOffset {
     scaled: i32,

@@ -1,10 +1,10 @@
-//! The controller of a servo-pneumatic drive: what the thesis ran in two interrupts of a 68000, here
-//! in integers that come out the same in every bit in the simulator, in an emulator and on the board.
+//! The controller of a servo-pneumatic drive. The thesis ran it in two interrupts of a 68000. Here it uses integers,
+//! so it gives the same bits in the simulator, in an emulator and on the board.
 //!
-//! Two calls a sample, as the thesis has two interrupts (section 6.3.2):
+//! There are two calls per sample, as the thesis has two interrupts (section 6.3.2):
 //!
 //! 1. [`sample`] at `k * period`: estimate, error, law, supervise;
-//! 2. [`output`] at `k * period + delay`: what to drive now.
+//! 2. [`output`] at `k * period + delay`: drive the valve.
 //!
 //! Data flows one way, a module a stage (`pipeline`):
 //!
@@ -26,19 +26,18 @@
 //! | [`learning`] | the command at which the valve is at its null, learned at rest |
 //! | [`homing`] | the run that gives counts their meaning |
 //! | [`pressure`] | the quasi-transient part of the pressure difference |
-//! | [`limits`] | what an axis may do |
+//! | [`limits`] | the limits of an axis, and the checks against them |
 //! | [`supervisor`] | modes and fault latch: the last word on every command |
 //! | [`drive`] | the drive stages: counts of a DAC, pulses of a stepper |
 //! | `state` | what changes while the controller runs, and the requests to it |
 //! | `pipeline` | the stages in their order |
 //! | `spool` | where a stepper's spool is, and whether that can be relied on |
 //!
-//! # What is promised
+//! # Guarantees
 //!
-//! No float, no allocation, no `unsafe`, no panicking path, no required dependency. Every sum and
-//! product of the law is exact in `i64` and saturated once to `i32`. The two calls take constant
-//! time but for the few branches of the law; neither waits for anything. What is not known here:
-//! messages, hardware, wall time.
+//! No float, no allocation, no `unsafe`, no panicking path, no required dependency. Every sum and product of the law
+//! is exact in `i64` and saturated once to `i32`. The two calls take constant time but for the few branches of the
+//! law; neither waits for anything. This crate knows nothing of messages, hardware or wall time.
 #![no_std]
 #![forbid(unsafe_code)]
 

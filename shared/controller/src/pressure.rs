@@ -4,17 +4,16 @@
 //! n_q[k] = q[k] - mean of q          q = raw P1 - raw P2
 //! ```
 //!
-//! The mean of q forgets with a time constant of 64 samples, so that a standing pressure difference
-//! (a load's weight) is no feedback: Burrows' servomechanism has it so (Burrows and Webb, "Further study
-//! of a low-pressure on-off pneumatic servomechanism"; the time constant is our choice).
+//! The mean of q forgets with a time constant of 64 samples, so that a standing pressure difference (a load's weight)
+//! is not fed back. Burrows' servomechanism does the same (Burrows and Webb, "Further study of a low-pressure on-off
+//! pneumatic servomechanism"). The time constant is our choice.
 
 use crate::signal::Sample;
 
-/// The mean forgets in 2^this samples.
+/// The time constant of the mean is 2^this samples.
 const MEAN_SHIFT: u32 = 6;
 
-/// 2^[`MEAN_SHIFT`] times the mean of q; none before the first sample, which is taken for a standing
-/// difference.
+/// 2^[`MEAN_SHIFT`] times the mean of q; None before the first sample, which counts as a standing difference.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Mean(Option<i32>);
 

@@ -1,5 +1,5 @@
-//! Profiles: the way of the setpoint while a move is under way. A profile is a factor for each sample k from the
-//! beginning of its move, times a distance:
+//! Profiles: the course of the setpoint during a move. A profile is a factor for each sample k of its move, times a
+//! distance:
 //!
 //! ```text
 //! ramp:  n[k] = start  + (target - start) s[k],   0 <= s <= 1     start: the setpoint that was in force before
@@ -7,27 +7,28 @@
 //! noise: n[k] = target + amplitude b[k],          b = -1 or 1
 //! ```
 //!
-//! **Ramp.** s is a step that has been averaged three times, over V, A and J samples (moving averages in series:
-//! Biagiotti and Melchiorri, "FIR filters for online trajectory planning with time- and frequency-domain
-//! specifications", Control Engineering Practice 20, 2012). It arrives V + A + J - 2 samples after its beginning. With
-//! V >= A + J and A >= J its steepest difference is 1/V, the largest second one 1/(V A), the third 1/(V A J): the limits
-//! of velocity, acceleration and jerk. A = J = 1 is a ramp of constant velocity, J = 1 a trapezoid of velocity, others
-//! an S-curve. In units of 1/(V A J), s is a sum of sums of sums of
+//! **Ramp.** s is a step averaged three times, over V, A and J samples (moving averages in series: Biagiotti and
+//! Melchiorri, "FIR filters for online trajectory planning with time- and frequency-domain specifications", Control
+//! Engineering Practice 20, 2012). It arrives V + A + J - 2 samples after its beginning. With V >= A + J and A >= J
+//! its steepest difference is 1/V, the largest second one 1/(V A), the third 1/(V A J). These are the limits of
+//! velocity, acceleration and jerk. A = J = 1 gives a ramp of constant velocity, J = 1 a trapezoid of velocity,
+//! anything else an S-curve. In units of 1/(V A J), s is a sum of sums of sums of
 //!
 //! ```text
 //! j[k] = w[k - 1] - w[k - 1 - A] - w[k - 1 - V] + w[k - 1 - V - A],   w[i] = 1 for 0 <= i < J, else 0
 //! ```
 //!
-//! and the sums are exact. The unit is rounded down to a multiple of 2^-63, so s falls short by less than V A J / 2^63
-//! before the last sample, which has the target itself.
+//! and the sums are exact. The unit is rounded down to a multiple of 2^-63, so s falls short by less than V A J /
+//! 2^63 before the last sample. The last sample is the target itself.
 //!
-//! **Wave.** The phase p counts in turns, `p[k + 1] = p[k] + rate + k sweep`, modulo 1 in steps of 2^-64: a sine with
-//! sweep 0, else a chirp. The sine is a polynomial that is off by 1e-8 of the amplitude at most.
+//! **Wave.** The phase p counts in turns, `p[k + 1] = p[k] + rate + k sweep`, modulo 1 in steps of 2^-64. Without
+//! sweep it is a sine, else a chirp. The sine is a polynomial with an error of at most 1e-8 of the amplitude.
 //!
-//! **Noise.** A pseudo-random binary sequence: each `hold` samples a shift register moves on, whose last bit is the sign.
+//! **Noise.** A pseudo-random binary sequence: a shift register moves on every `hold` samples, and its last bit is
+//! the sign.
 //!
-//! Behind their last sample, wave and noise rest at the target. What is worked out here comes to the setpoint rounded to
-//! the nearest count, once, from 2^-30 of a count.
+//! After their last sample, wave and noise rest at the target. The setpoint is rounded once to the nearest count,
+//! from 2^-30 of a count.
 
 use crate::fixed::{quotient, saturate};
 
@@ -35,13 +36,13 @@ use crate::fixed::{quotient, saturate};
 const ONE: i64 = 1 << FRACTION_BITS;
 const FRACTION_BITS: u32 = 30;
 
-/// Samples over which a ramp averages at most, each time.
+/// Most samples of each average of a ramp.
 pub const LONGEST_AVERAGE: u32 = 1 << 29;
 
-/// The most that the three lengths of a ramp make when they are multiplied.
+/// Largest product of the three lengths of a ramp.
 pub const LARGEST_PRODUCT: u64 = 1 << 40;
 
-/// The way of the setpoint from the beginning of a move on.
+/// The course of the setpoint from the beginning of a move on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Profile {
     /// To the target at once.
@@ -74,7 +75,7 @@ pub struct Wave {
     pub samples: u32,
     /// Turns from the first sample to the second, in 2^-64.
     pub rate: u64,
-    /// What the turns of a sample exceed those of the sample before by, in 2^-64.
+    /// The increase of the turns from sample to sample, in 2^-64.
     pub sweep: i64,
 }
 
@@ -87,12 +88,12 @@ pub struct Noise {
     pub samples: u32,
     /// Samples that a sign lasts.
     pub hold: u32,
-    /// The bits that a 1 which leaves the shift register toggles (Galois form); the highest one is its length.
+    /// The bits that are toggled when a 1 leaves the shift register (Galois form); the highest one is its length.
     pub taps: u32,
 }
 
 impl Ramp {
-    /// A ramp that averages over so many samples: V, A, J.
+    /// A ramp that averages over these numbers of samples: V, A, J.
     ///
     /// None if one of them is 0 or above [`LONGEST_AVERAGE`], or their product above [`LARGEST_PRODUCT`].
     #[must_use]
@@ -129,7 +130,7 @@ impl Ramp {
 }
 
 impl Profile {
-    /// Samples from its beginning until it is over.
+    /// Samples from the beginning of the profile to its end.
     #[must_use]
     pub fn samples(&self) -> u32 {
         match self {
@@ -140,8 +141,8 @@ impl Profile {
         }
     }
 
-    /// How far the setpoint goes to either side of the target at most, but on a ramp, which comes from the setpoint
-    /// before. Unit: counts.
+    /// Largest distance of the setpoint from the target to either side, counts. A ramp has none, as it comes from the
+    /// setpoint before.
     #[must_use]
     pub fn amplitude(&self) -> u32 {
         match self {
@@ -153,7 +154,7 @@ impl Profile {
     }
 }
 
-/// Where a profile is: what its next sample is made of.
+/// The state of a profile, from which its next sample follows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Progress {
     /// Samples since its beginning.
@@ -164,9 +165,9 @@ pub(crate) struct Progress {
     span: i64,
     /// Ramp: s, its first and second difference. Wave: phase, turns of a sample. Noise: shift register, samples left.
     sums: [u64; 3],
-    /// Where it was last, in 2^-30 counts.
+    /// The last setpoint, in 2^-30 counts.
     at: i64,
-    /// How far it went in the sample before, in 2^-30 counts.
+    /// Its motion in the sample before, in 2^-30 counts.
     velocity: i64,
 }
 
@@ -177,7 +178,7 @@ pub(crate) struct Waypoint {
     pub setpoint: i32,
     /// Counts a sample, in 2^-12.
     pub velocity: i32,
-    /// Counts a sample and sample, in 2^-12.
+    /// Counts per sample squared, in 2^-12.
     pub acceleration: i32,
     /// Whether it is the last one.
     pub last: bool,

@@ -1,10 +1,10 @@
-//! The moves of a test: when each begins, where to, and on which way.
+//! The moves of a test: time, target and profile of each.
 
 use crate::limits::Limits;
 use crate::profile::Profile;
 use crate::supervisor::Refusal;
 
-/// The most moves one sequence holds.
+/// Most moves of a sequence.
 pub const MAX_MOVES: usize = 64;
 
 /// From sample `at_sample` on, `target` is the setpoint.
@@ -14,7 +14,7 @@ pub struct Move {
     pub at_sample: u32,
     /// Setpoint in encoder counts (closed loop) or command in valve counts (open loop).
     pub target: i32,
-    /// The way there.
+    /// The course of the setpoint to it.
     pub profile: Profile,
 }
 
@@ -45,7 +45,7 @@ impl Move {
 pub enum SequenceError {
     /// It holds [`MAX_MOVES`] moves already.
     Full,
-    /// A move lies before its predecessor, or not within the round that repeats; moves come in order of time.
+    /// A move lies before its predecessor, or outside the round that repeats. Moves come in order of time.
     OutOfOrder,
 }
 
@@ -101,10 +101,10 @@ impl Sequence {
         self.len
     }
 
-    /// The moves come again every `round` samples; 0: they come once.
+    /// Repeats the moves every `round` samples; 0: they come once.
     ///
     /// # Errors
-    /// When a move lies at the end of the round or behind it.
+    /// When a move lies at the end of the round or after it.
     pub fn repeat_every(&mut self, round: u32) -> Result<(), SequenceError> {
         if self.moves().last().is_some_and(|last| !is_within(last, round)) {
             return Err(SequenceError::OutOfOrder);
@@ -122,7 +122,7 @@ impl Sequence {
     /// Whether a run may begin with these moves. `closed`: they are positions.
     ///
     /// # Errors
-    /// When there are none, or a setpoint of a closed loop lies beyond a software end position.
+    /// When there are no moves, or a setpoint of a closed loop lies beyond a soft limit.
     pub(crate) fn check(&self, limits: &Limits, closed: bool) -> Result<(), Refusal> {
         let moves = self.moves();
         if moves.is_empty() {

@@ -1,26 +1,26 @@
-//! Moves: which setpoint is in force at sample k, and whether the axis has come there.
+//! The sequencer: the setpoint in force at sample k, and whether the axis has reached it.
 //!
-//! A move whose time is <= k * period is in force at sample k (DESIGN section 4). The times are
-//! turned into sample numbers once, when the sequence is made, so that a sample compares integers.
+//! A move is in force at sample k if its time is <= k * period (DESIGN section 4). The times become sample numbers
+//! once, when the sequence is made, so a sample compares integers.
 //!
-//! With [`MotionConfig::on_arrival`] a move also waits for the end of the one before (thesis 6.3.2: the
-//! position dead band and the forced exit are checked at the second interrupt, and the new position is
-//! in effect at the next sample). A move ends
+//! With [`MotionConfig::on_arrival`] a move also waits for the end of the one before. In the thesis (6.3.2), the
+//! second interrupt checks the position dead band and the forced exit, and the new position is in effect at the next
+//! sample. A move ends
 //!
-//! - `dwell` after it has arrived: at the first sample inside the tolerance (fast stop, `monitoring` = 0),
-//!   or after `monitoring` samples on end inside it (exact stop);
+//! - `dwell` after it has arrived: at the first sample inside the tolerance (fast stop, `monitoring` = 0), or after
+//!   `monitoring` consecutive samples inside it (exact stop);
 //! - or at the forced exit, arrived or not.
 //!
-//! At such an exit the thesis has the new position only, and no spool command: the valve of a closed loop stays as it is for
-//! a period.
+//! At such an exit the thesis has a new position but no spool command: the valve of a closed loop keeps its command
+//! for one period.
 //!
-//! A sequence may repeat: its moves come again and again, a round after the other, until the run is over.
+//! A sequence may repeat: its moves come again, round after round, until the run is over.
 //!
 //! Before the first move a closed loop holds the count of sample k = 0, and an open loop is at null.
 //!
-//! A move may have a [`Profile`]: the way of its setpoint from the beginning of the move on. Its next setpoint can be
-//! worked out ahead, between two samples ([`crate::State::prepare`]); a sample that finds none does so itself. A move whose
-//! profile is under way has not arrived. A profile is cut short where the next move begins or the run ends.
+//! A move may have a [`Profile`], the course of its setpoint. Its next setpoint can be computed ahead, between two
+//! samples ([`crate::State::prepare`]); a sample that finds none computes it. A move with an unfinished profile has
+//! not arrived. The next move, or the end of the run, cuts a profile short.
 
 use crate::profile::{Profile, Progress, Waypoint};
 pub use crate::sequence::{MAX_MOVES, Move, Sequence, SequenceError};
@@ -30,24 +30,25 @@ pub use crate::sequence::{MAX_MOVES, Move, Sequence, SequenceError};
 pub struct MotionConfig {
     /// Whether a move waits for the end of the one before.
     pub on_arrival: bool,
-    /// An error of this much is inside, counts.
+    /// Errors up to this count as arrived, counts.
     pub tolerance: u32,
-    /// Samples on end inside the tolerance that an exact stop takes; 0: a fast stop.
+    /// Consecutive samples inside the tolerance that an exact stop takes; 0: a fast stop.
     pub monitoring: u32,
     /// From the arrival to the end of the move, samples.
     pub dwell: u32,
-    /// A move ends after so many samples, arrived or not.
+    /// A move ends after this many samples, arrived or not.
     pub forced_exit: u32,
     /// What is fed forward of a profile.
     pub feed_forward: FeedForward,
 }
 
-/// What the motion of a setpoint adds to the sum of the law, in the units of its feedback gains (see [`crate::law`]).
+/// The contribution of the setpoint's motion to the sum of the law, in the units of its feedback gains (see
+/// [`crate::law`]).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct FeedForward {
     /// On counts a sample: the gain of a velocity window times the window.
     pub velocity: u32,
-    /// On counts a sample and sample: the gain times both windows.
+    /// On counts per sample squared: the gain times both windows.
     pub acceleration: u32,
 }
 
@@ -60,7 +61,7 @@ impl FeedForward {
     }
 }
 
-/// How the move in force stands.
+/// The state of the move in force.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Arrival {
     /// There is no move in force.
@@ -82,11 +83,11 @@ struct Ahead {
     last: bool,
 }
 
-/// Where a run stands in its sequence.
+/// The progress of a run in its sequence.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Sequencer {
     taken: u32,
-    /// The run is over behind this sample, which can still be counted.
+    /// The run is over after this sample, which can still be counted.
     last: u32,
     next_move: usize,
     /// Place of the move whose profile began last.
@@ -98,24 +99,24 @@ pub struct Sequencer {
     next_target: i32,
     next_is_profile: bool,
     setpoint: i32,
-    /// What the law adds for the motion of the setpoint.
+    /// The law's feed-forward for the motion of the setpoint.
     feed_forward: i64,
     /// Whether the profile of the move in force is under way.
     follows: bool,
-    /// Whether `ahead` is the sample that comes next.
+    /// Whether `ahead` belongs to the next sample.
     prepared: bool,
     ahead: Ahead,
     progress: Progress,
     arrival: Arrival,
     /// Moves that ended without arriving.
     not_reached: u32,
-    /// What `taken` was when the move in force began, when it was last outside, and when it arrived: what
-    /// has passed since is a difference, and nothing need be counted.
+    /// The values of `taken` when the move in force began, when the axis was last outside, and when it arrived. Times
+    /// are differences of these, so nothing else is counted.
     begun_at: u32,
     outside_at: u32,
     arrived_at: u32,
     ended: bool,
-    /// What `taken` was at the last exit.
+    /// The value of `taken` at the last exit.
     exit_at: u32,
     /// Whether the first sample is to be held until the first move.
     holds_first: bool,
@@ -136,7 +137,7 @@ impl Sequencer {
         sequencer
     }
 
-    /// Takes sample k, at which the axis is at `position`. Whether it ends a move that rests.
+    /// Takes sample k, with the axis at `position`. Returns whether it ends a move at rest.
     pub(crate) fn advance(&mut self, config: &MotionConfig, sequence: &Sequence, position: i32) -> bool {
         let mut rested = false;
         if self.is_due(config) {
@@ -162,7 +163,7 @@ impl Sequencer {
         self.outside_at = self.taken.wrapping_add(u32::from(self.follows));
     }
 
-    /// Works out the next setpoint of a profile ahead of its sample.
+    /// Computes the next setpoint of a profile ahead of its sample.
     #[inline(always)]
     pub(crate) fn prepare(&mut self, config: &MotionConfig, sequence: &Sequence) {
         if self.follows && !self.prepared {
@@ -180,18 +181,18 @@ impl Sequencer {
         self.prepared = true;
     }
 
-    /// The setpoint stays where it is from here on.
+    /// Keeps the setpoint where it is from here on.
     pub(crate) fn stand(&mut self) {
         self.follows = false;
         self.feed_forward = 0;
     }
 
-    /// Whether the time of the next move has come, and it need not wait for the end of the one before.
+    /// Whether the next move is due and need not wait for the end of the one before.
     fn is_due(&self, config: &MotionConfig) -> bool {
         self.taken >= self.next_at && (!config.on_arrival || self.arrival == Arrival::Idle || self.ended)
     }
 
-    /// Begins the moves that are due, of which the last one holds. Whether one before it rests.
+    /// Begins the moves that are due; the last of them holds. Returns whether the one before is at rest.
     #[cold]
     #[inline(never)]
     fn move_on(&mut self, config: &MotionConfig, sequence: &Sequence, position: i32) -> bool {
@@ -242,7 +243,7 @@ impl Sequencer {
         self.next_move += 1;
     }
 
-    /// A step to `target` begins with the next sample. Whether the move before it rests.
+    /// Begins a step to `target` with the next sample. Returns whether the move before it is at rest.
     pub(crate) fn redirect(&mut self, target: i32) -> bool {
         let rested = self.close();
         self.stand();
@@ -286,14 +287,14 @@ impl Sequencer {
         self.exit_at == self.taken
     }
 
-    /// Whether the move in force has rested for its dwell, or has taken too long.
+    /// Whether the move in force has dwelt for long enough, or has taken too long.
     fn is_through(&self, config: &MotionConfig) -> bool {
         let rested = self.arrival == Arrival::Arrived && self.taken - self.arrived_at >= config.dwell;
         rested || self.taken - self.begun_at >= config.forced_exit
     }
 
-    /// What is not arrived by now has not been reached. Whether the move has arrived and is still inside
-    /// its tolerance.
+    /// Ends the move in force; one that has not arrived by now is not reached. Returns whether the move has arrived
+    /// and is still inside its tolerance.
     pub(crate) fn close(&mut self) -> bool {
         if self.arrival == Arrival::Moving {
             self.arrival = Arrival::NotReached;
@@ -302,7 +303,7 @@ impl Sequencer {
         self.arrival == Arrival::Arrived && self.taken > self.outside_at
     }
 
-    /// How the move in force stands.
+    /// The state of the move in force.
     #[must_use]
     pub fn arrival(&self) -> Arrival {
         self.arrival
@@ -326,7 +327,7 @@ impl Sequencer {
         self.setpoint
     }
 
-    /// What the law adds for the motion of that setpoint, in the units of its sum.
+    /// The law's feed-forward for the motion of that setpoint, in the units of its sum.
     pub(crate) fn feed_forward(&self) -> i64 {
         self.feed_forward
     }
@@ -336,8 +337,7 @@ impl Sequencer {
         self.taken
     }
 
-    /// Whether the last sample of the run has been taken, or the last move has ended that others wait
-    /// for.
+    /// Whether the last sample of the run has been taken, or the last move that others wait for has ended.
     pub(crate) fn is_over(&self, config: &MotionConfig, sequence: &Sequence) -> bool {
         let through = config.on_arrival && self.ended && self.next_move >= sequence.len();
         through || self.taken > self.last

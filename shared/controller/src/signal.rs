@@ -1,4 +1,4 @@
-//! What goes into the controller and what comes out of it, in the raw units of the hardware.
+//! The inputs and outputs of the controller, in the raw units of the hardware.
 
 /// One reading of the sensors, latched at the sample instant.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -15,7 +15,7 @@ pub struct Sample {
     pub home_switch: bool,
 }
 
-/// What the drive stage shall do from the output instant on.
+/// The command to the drive stage from the output instant on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Command {
     /// Valve command; positive means extension, 0 is the valve's null. DAC: -2048 to 2048 counts.
@@ -32,11 +32,10 @@ impl Command {
     pub const OFF: Command = Command { counts: 0, step: 0, drive_enable: false };
 }
 
-/// A sample and what the controller made of it. The recorder's six channels and the telemetry are
-/// taken from here.
+/// A sample and the controller's results from it. The recorder's six channels and the telemetry come from here.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Observation {
-    /// Whether the sample belongs to a run: the recorder stores those.
+    /// Whether the sample belongs to a run. The recorder stores those.
     pub running: bool,
     /// k: the number of this sample since the start of the run (0 before one).
     pub index: u32,

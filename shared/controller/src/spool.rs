@@ -1,14 +1,14 @@
-//! Where the spool of a stepper valve is, and whether that can be relied on.
+//! The spool location of a stepper valve, and whether it is reliable.
 //!
-//! Nothing measures the spool: its location is the sum of the pulses that were given. A reset ends the sum. What the
-//! board has kept through it says where the spool was, but a pulse may have been lost on the way; without it nothing
+//! Nothing measures the spool: its location is the sum of all pulses, and a reset ends the sum. The location that the
+//! board has kept through the reset may be off by a pulse that was lost on the way. Without a kept location nothing
 //! is known. A drive in doubt gives no pulse and does not arm until the spool has been walked back ([`Spool::seek`])
 //! or the operator says that it is at its null ([`Spool::at_null`]).
 
 use crate::drive::SpoolLocation;
 use crate::supervisor::Refusal;
 
-/// Whether the location can be relied on.
+/// Whether the location is reliable.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Trust {
     /// Every pulse since mid-travel has been counted.
@@ -16,14 +16,14 @@ enum Trust {
     Sure,
     /// A reset came while the spool was here.
     Kept(SpoolLocation),
-    /// It is not known.
+    /// The location is not known.
     Lost,
 }
 
-/// The spool. By default it is at mid-travel, as the one of a simulated valve.
+/// The spool. By default it is at mid-travel, as in a simulated valve.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Spool {
-    /// The sum of the pulses; mid-travel while in doubt, so that none is given.
+    /// The sum of the pulses; mid-travel while in doubt, so that no pulse is given.
     counted: SpoolLocation,
     trust: Trust,
 }
@@ -44,7 +44,7 @@ impl Spool {
         self.counted
     }
 
-    /// The location, where it can be relied on.
+    /// The location, if it is reliable.
     pub fn sure(self) -> Option<SpoolLocation> {
         (self.trust == Trust::Sure).then_some(self.counted)
     }
@@ -64,7 +64,7 @@ impl Spool {
         self.counted.step_toward(target)
     }
 
-    /// Whether a drive may be armed with it.
+    /// Whether a drive with this spool may be armed.
     pub fn check(self) -> Result<(), Refusal> {
         match self.trust {
             Trust::Sure => Ok(()),
@@ -73,7 +73,7 @@ impl Spool {
         }
     }
 
-    /// Walks back from where it was before the reset, one pulse a sample.
+    /// Walks back from the location before the reset, one pulse a sample.
     ///
     /// # Errors
     /// When that is not known.
@@ -88,7 +88,7 @@ impl Spool {
         }
     }
 
-    /// It is at mid-travel: the operator has seen to it.
+    /// States that it is at mid-travel: the operator has checked it.
     ///
     /// # Errors
     /// While it walks.

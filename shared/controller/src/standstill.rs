@@ -1,24 +1,24 @@
 //! How long an axis has stood where it is.
 //!
-//! A rod on its stop goes on by a count now and then while the pressure on it rises, and dither shakes it.
-//! So standing still is a distance from where it stood, not a step of zero.
+//! A rod on its stop creeps on by a count now and then while the pressure on it rises, and dither shakes it. So
+//! standing still is a distance from where it stood, not a step of zero.
 
 /// Where an axis stands, and since when.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Standstill {
     at: i32,
-    /// Samples, or what was added at each.
+    /// The number of samples, or the sum of efforts.
     sum: u32,
 }
 
 impl Standstill {
-    /// Takes the position at a sample; for how many samples before it the axis has stood within
-    /// `tolerance` counts.
+    /// Takes the position at a sample. Returns for how many samples before it the axis has stood within `tolerance`
+    /// counts.
     pub fn at(&mut self, position: i32, tolerance: u32) -> u32 {
         self.pushed(position, tolerance, 1)
     }
 
-    /// The same, of an axis that is pushed: the sum of `effort` over the samples that it has stood.
+    /// The same for an axis that is pushed: the sum of `effort` over the samples that it has stood.
     pub fn pushed(&mut self, position: i32, tolerance: u32, effort: u32) -> u32 {
         if position.abs_diff(self.at) <= tolerance {
             self.sum = self.sum.saturating_add(effort);
@@ -28,7 +28,7 @@ impl Standstill {
         self.sum
     }
 
-    /// It stands at `position` from this sample on.
+    /// The axis stands at `position` from this sample on.
     pub fn restart(&mut self, position: i32) {
         *self = Standstill { at: position, sum: 0 };
     }

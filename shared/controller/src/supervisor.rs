@@ -1,4 +1,4 @@
-//! Who may move the cylinder, and when not: modes, limits and the fault latch.
+//! The supervisor decides when the cylinder may move: modes, limits and the fault latch.
 //!
 //! ```text
 //! disarmed --arm--> armed --start--> running --end of the moves--> done
@@ -8,9 +8,9 @@
 //! trip:   from every mode to fault (a stop, a limit, the board); arm: from fault to armed
 //! ```
 //!
-//! The supervisor has the last word on every command: `permit` is the only way from the law to the
-//! drive stage, and `output` asks it again. A trip acts at the output of the same sample. Only an
-//! explicit re-arm leaves the fault mode.
+//! The supervisor has the last word on every command. `permit` is the only way from the law to the drive stage, and
+//! `output` asks it again. A trip acts at the output of the same sample. Only an explicit re-arm leaves the fault
+//! mode.
 //!
 //! This is not a safety-rated function: a machine needs a hardware emergency stop.
 
@@ -18,8 +18,8 @@ use crate::fault::Fault;
 use crate::law::{LawConfig, Loop};
 use crate::limits::{Evidence, Limits, Watch};
 
-/// What the drive is doing. A byte for the mode, in the order of what it may do, and one for the fault:
-/// modes are compared at every sample, and each comparison is one of numbers.
+/// The mode of the drive. One byte holds the mode, in the order of what it permits, and one holds the fault. So the
+/// comparisons of modes at every sample are comparisons of numbers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Mode {
@@ -34,7 +34,7 @@ pub enum Mode {
     Done,
     /// The law drives the valve.
     Running,
-    /// On the way to the stop or the switch that gives counts their meaning.
+    /// On the way to the stop or the switch that references the axis.
     Homing,
 }
 
@@ -54,13 +54,13 @@ pub enum Refusal {
     NoMoves = 5,
     /// The spool of a stepper valve is still on its way to mid-travel.
     ValveNotAtNull = 6,
-    /// A setpoint lies beyond a software end position.
+    /// A setpoint lies beyond a soft limit.
     BeyondEnd = 7,
     /// The stored configuration is damaged: load or save one first.
     NoConfiguration = 8,
-    /// Since a reset the spool of a stepper valve may be off by a step from where it is taken to be.
+    /// Since a reset the spool of a stepper valve may be one step away from its assumed location.
     SpoolInDoubt = 9,
-    /// Since a reset nothing is known of where the spool of a stepper valve is.
+    /// Since a reset the spool location of a stepper valve is not known.
     SpoolLost = 10,
 }
 
@@ -107,18 +107,18 @@ impl Supervisor {
         self.mode
     }
 
-    /// Whether counts mean positions.
+    /// Whether the axis is referenced.
     #[must_use]
     pub fn is_referenced(&self) -> bool {
         self.referenced
     }
 
-    /// Counts mean positions from now on (a reference run, or a simulated rig).
+    /// References the axis (a reference run, or a simulated rig).
     pub fn set_referenced(&mut self) {
         self.referenced = true;
     }
 
-    /// Counts mean nothing any more, until the next reference.
+    /// Takes the reference away, until the next one.
     pub fn clear_referenced(&mut self) {
         self.referenced = false;
     }
@@ -129,7 +129,7 @@ impl Supervisor {
         matches!(self.mode, Mode::Armed | Mode::Running | Mode::Done | Mode::Homing)
     }
 
-    /// Whether the cylinder is on its way somewhere.
+    /// Whether the cylinder is in motion.
     #[must_use]
     pub fn moves(&self) -> bool {
         matches!(self.mode, Mode::Running | Mode::Homing)
@@ -161,8 +161,8 @@ impl Supervisor {
     /// Lets the law drive from the next sample on.
     ///
     /// # Errors
-    /// When the drive is not armed, or a closed loop has no reference. From the disarmed mode this also
-    /// trips: something means to move a cylinder that nobody has armed.
+    /// When the drive is not armed, or a closed loop has no reference. From the disarmed mode this also trips,
+    /// because a program means to move a cylinder that nobody has armed.
     pub(crate) fn start(&mut self, control_loop: Loop, spool_is_open: bool) -> Result<(), Refusal> {
         if self.mode == Mode::Armed && control_loop == Loop::Closed && !self.referenced {
             return Err(Refusal::NotReferenced);
@@ -170,11 +170,11 @@ impl Supervisor {
         self.set_off(Mode::Running, spool_is_open)
     }
 
-    /// Lets the homing run drive from the next sample on; counts mean nothing until it has ended.
+    /// Lets the homing run drive from the next sample on. The axis has no reference until the run has ended.
     ///
     /// # Errors
-    /// As for a start, but for the reference, and without a trip: a person asks for it who has forgotten to arm the
-    /// drive, and not a program that goes on with a test.
+    /// As for a start, except for the reference, and without a trip: the request comes from a person who has
+    /// forgotten to arm the drive, not from a program that continues a test.
     pub(crate) fn home(&mut self, spool_is_open: bool) -> Result<(), Refusal> {
         if self.mode == Mode::Disarmed {
             return Err(Refusal::NotArmed);
@@ -201,21 +201,21 @@ impl Supervisor {
         }
     }
 
-    /// The homing run has ended: counts mean positions, the valve is at null.
+    /// Ends the homing run: the axis is referenced, the valve is at null.
     pub(crate) fn homed(&mut self) {
         self.mode = Mode::Armed;
         self.referenced = true;
         self.watch = Watch::of_a_coasting_axis();
     }
 
-    /// Disables the drive and latches the fault. The first fault stays.
+    /// Disables the drive and latches the fault. An earlier fault stays.
     pub fn trip(&mut self, fault: Fault) {
         if !matches!(self.mode, Mode::Fault(_)) {
             self.mode = Mode::Fault(fault);
         }
     }
 
-    /// The moves are over.
+    /// Ends the moves.
     pub(crate) fn finish(&mut self) {
         if self.mode == Mode::Running {
             self.mode = Mode::Done;
@@ -223,7 +223,7 @@ impl Supervisor {
         }
     }
 
-    /// Trips when an enabled drive is beyond its limits. A disarmed axis may be pushed by hand.
+    /// Trips an enabled drive that is beyond its limits. A disarmed axis may be pushed by hand.
     pub(crate) fn watch(&mut self, limits: &Limits, seen: &Evidence) {
         if !self.drives() {
             return;
@@ -241,7 +241,8 @@ impl Supervisor {
         self.referenced &= fault != Fault::EncoderStep;
     }
 
-    /// Trips when a drive moves whose command is null. `spool_is_open`: a stepper's spool is still on its way to the null.
+    /// Trips a drive that moves although its command is null. `spool_is_open`: a stepper's spool is still on its way
+    /// to null.
     #[cold]
     #[inline(never)]
     pub(crate) fn watch_null(&mut self, limits: &Limits, position: i32, spool_is_open: bool) {
@@ -250,8 +251,8 @@ impl Supervisor {
         }
     }
 
-    /// The command that may go to the drive stage: the law's while running, and while a closed loop
-    /// holds its last setpoint; the homing run's; else null.
+    /// The command that may go to the drive stage: the law's while running or holding in closed loop, the homing
+    /// run's, else null.
     pub(crate) fn permit(&self, law: &LawConfig, command: i16) -> i16 {
         match (self.mode, law.control_loop) {
             (Mode::Running | Mode::Homing, _) | (Mode::Done, Loop::Closed) => command,
