@@ -1,14 +1,14 @@
-//! Parameters that a program changes on a drive for a while, kept in a file until they are given back: a program that is killed
-//! meanwhile cannot lose them, and the next one that borrows them gives them back first.
+//! Parameters that a program changes on a drive for a while. A file keeps their values until they are given back, so
+//! a killed program cannot lose them: the next program that borrows gives them back first.
 //!
 //! ```text
 //! borrow      PORT.borrowed   in the user's folder of states: the program, the boot of the drive, and all parameters as they were
 //! give back   the values are set, then the file is removed
 //! ```
 //!
-//! A file is passed over, and removed, if the drive was reset since, which brings its saved parameters back, or if other
-//! parameters differ from those in it: then somebody has set them since, or another drive is at the port. What a program that
-//! still runs has borrowed is not given back by another one.
+//! The file is ignored and removed if the drive was reset since, because a reset brings its saved parameters back.
+//! The same happens if other parameters differ from those in the file: then somebody has set them since, or another
+//! drive is at the port. Parameters that a running program has borrowed are not given back by another one.
 
 use std::fmt::Write;
 use std::fs;
@@ -25,10 +25,10 @@ use pneudrive_records::whole_file::{may_run, own_number, put};
 
 use crate::state;
 
-/// What a file of this kind begins with.
+/// The first line of a file of this kind.
 const HEAD: &str = "pneudrive-borrowed 1";
 
-/// And what it ends with.
+/// The last line of it.
 const LAST: &str = "end";
 
 /// The ending of its name.
@@ -37,7 +37,7 @@ const KIND: &str = "borrowed";
 /// The longest file that is read, bytes: all parameters have some kilobytes.
 const LONGEST: u64 = 1 << 16;
 
-/// Parameters that are to be given back.
+/// Parameters to give back.
 #[derive(Debug)]
 pub struct Borrowed {
     path: PathBuf,
@@ -45,8 +45,8 @@ pub struct Borrowed {
 }
 
 impl Borrowed {
-    /// Keeps the values of these parameters, before they are changed for a while. What a killed program has not given back is
-    /// given back first. The drive must be disarmed.
+    /// Keeps the values of these parameters before they are changed for a while. First gives back those that a killed
+    /// program has left. The drive must be disarmed.
     ///
     /// # Errors
     /// When the drive does not answer or refuses, or the file cannot be written.
@@ -119,7 +119,7 @@ struct Left {
 }
 
 impl Left {
-    /// Reads a file of [`Borrowed::text`]; None of any other text.
+    /// Reads the text of [`Borrowed::text`]; None for any other text.
     fn read(text: &str) -> Option<Left> {
         let mut lines = text.lines();
         if lines.next()? != HEAD {
@@ -141,19 +141,19 @@ impl Left {
         None
     }
 
-    /// Whether the drive with these parameters is in the boot in which it lost them. A rig that does not count boots may have been
-    /// reset.
+    /// Whether the drive with these parameters is still in the same boot. A rig that does not count boots may have
+    /// been reset.
     fn is_in_force(&self, boot: u32) -> bool {
         self.boot != 0 && self.boot == boot
     }
 
-    /// What the drive has instead of what was borrowed.
+    /// The values of the drive in place of the borrowed ones.
     fn differing(&self, there: &RigParameters) -> Vec<(u16, i32)> {
         self.values().filter(|(id, value)| there.values.get(*id) != Some(*value)).collect()
     }
 
-    /// Whether these parameters are those of a drive whose program was killed, but for what was borrowed and for the null that
-    /// a run has learned.
+    /// Whether a drive with these parameters is the one whose program was killed: they are equal, except for the
+    /// borrowed ones and the null that a run has learned.
     fn is_of(&self, parameters: &RigParameters) -> bool {
         let may_differ = |id| id == id::NULL_OFFSET_COUNTS || self.borrowed.contains(&id);
         self.all.iter().all(|&(id, value)| may_differ(id) || parameters.values.get(id) == Some(value))
@@ -164,7 +164,7 @@ impl Left {
     }
 }
 
-/// Gives back what a killed program has left.
+/// Gives back the parameters that a killed program has left.
 fn give_back_of_killed(client: &mut Client, path: &Path) -> Result<()> {
     let Some(left) = left_at(path)? else { return Ok(()) };
     if left.program != own_number() && may_run(left.program, path) {

@@ -1,19 +1,19 @@
-//! Bring-up: the checks of a new board and of the wires around it, from those that move nothing to those that do.
+//! Bring-up: the checks of a new board and its wires, first those that move nothing.
 //!
-//! | check | moves | what shows there |
+//! | check | moves | shows |
 //! |---|---|---|
-//! | board | | firmware, stored parameters, faults that are latched or logged |
+//! | board | | firmware, stored parameters, latched and logged faults |
 //! | samples | | a clock that is uneven |
 //! | sensors at rest | | open, shorted and floating inputs |
-//! | encoder by hand | by hand | direction and life of the encoder, valve shut |
-//! | enable line | nothing may | whether `drive_enable` gates the amplifier; the converter's ramp against a voltmeter |
-//! | rest when enabled | nothing may | a valve that is not shut at its null |
+//! | encoder by hand | by hand | direction of the encoder, and whether it counts; the valve is shut |
+//! | enable line | nothing should | whether `drive_enable` gates the amplifier; the converter's ramp against a voltmeter |
+//! | rest when enabled | nothing should | a valve that is not shut at its null |
 //! | pulses | a few mm | the signs of valve, tubes, encoder and transmitters against each other ([`signs`]) |
-//! | watchdog | nothing may; the slide may jerk | whether the watchdog resets the board |
+//! | watchdog | nothing should; the slide may jerk | whether the watchdog resets the board |
 //!
-//! A pulse is an open-loop test of its own: a command for a tenth of a second, which the board ends by itself. Commands rise
-//! from a few percent of the valve until the slide has moved both ways. Whatever surprises ends the bring-up, with the
-//! drive disarmed.
+//! A pulse is an open-loop test: a command for a tenth of a second, which the board ends by itself. Commands rise
+//! from a few percent of the valve until the slide has moved both ways. Anything unexpected ends the bring-up, with
+//! the drive disarmed.
 
 mod board;
 mod enable;
@@ -39,23 +39,23 @@ use pneudrive_link::client::Client;
 use pneudrive_link::failure::Failure;
 pub use report::{Check, Report, Verdict};
 
-/// How long the slide may be waited for, s: the least and the most.
+/// Shortest and longest wait for a push of the slide, s.
 pub const PUSH_WAIT_S: [u16; 2] = [0, 600];
 
-/// What may be allowed as the largest command, percent: the least and the most.
+/// Smallest and largest limit on the command, percent.
 pub const MAX_PERCENT: [u8; 2] = [3, 50];
 
-/// What the bring-up may do.
+/// The limits of a bring-up.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options {
-    /// How long to wait for the slide to be pushed by hand; zero: it is not asked for.
+    /// How long to wait for a push of the slide by hand; zero: no push is requested.
     pub push_wait: Duration,
     /// The largest command of a pulse, percent of the valve.
     pub most_percent: u8,
-    /// A slide that goes further than this from where it stood is stopped, mm (counts where their length is unknown).
+    /// A slide that moves further than this is stopped, mm (counts if their length is unknown).
     pub reach_mm: f64,
-    /// How long an answer may take after the watchdog was last fed, and then the reason in the fault log. The watchdog bites
-    /// within half a second; an emulated board counts virtual time.
+    /// How long the board may take to answer after its watchdog was last fed, and then to log the reason. The
+    /// watchdog bites within half a second; an emulated board counts virtual time.
     pub reset_wait: Duration,
 }
 
@@ -70,31 +70,31 @@ impl Default for Options {
     }
 }
 
-/// Who stands at the drive.
+/// The operator at the drive.
 pub trait Operator {
-    /// Is told what comes next.
+    /// Announces the next step.
     fn tell(&mut self, text: &str);
 
-    /// Reports a check that is over.
+    /// Reports a finished check.
     fn done(&mut self, check: &Check);
 
     /// Whether the cylinder may move now.
     fn lets_it_move(&mut self, question: &str) -> bool;
 
-    /// Answers a question; None: nobody is there.
+    /// Answers a question; None without an operator.
     fn answers(&mut self, question: &str) -> Option<bool>;
 
-    /// Asked again and again while the drive is waited for.
+    /// Called repeatedly while the bring-up waits for the drive.
     ///
     /// # Errors
     /// When the operator ends the bring-up.
     fn goes_on(&mut self) -> Result<()>;
 
-    /// Is shown the drive at every look at it.
+    /// Shows the drive at each look.
     fn sees(&mut self, _: &Status) {}
 }
 
-/// The drive, what is known of it, and what was found.
+/// The drive, the facts about it, and the findings.
 struct BringUp<'a> {
     client: &'a mut Client,
     operator: &'a mut dyn Operator,
@@ -104,11 +104,11 @@ struct BringUp<'a> {
     report: Report,
 }
 
-/// Runs the checks in their order. The drive is disarmed afterwards, with the parameters that it had; its test is gone.
+/// Runs the checks in order. Afterwards the drive is disarmed, with the parameters that it had; its test is gone.
 ///
 /// # Errors
-/// When the drive is enabled, another host commands it, the rig does not answer, or the operator ends it. What a check
-/// finds wrong is no error.
+/// When the drive is enabled, another host commands it, the rig does not answer, or the operator ends the bring-up. A
+/// check that finds something wrong is not an error.
 pub fn bring_up(client: &mut Client, operator: &mut dyn Operator, options: Options) -> Result<Report> {
     refuse_an_enabled_drive(client)?;
     let parameters = client.parameters()?;
@@ -152,29 +152,29 @@ impl BringUp<'_> {
         self.report.checks.push(check);
     }
 
-    /// Whether nothing so far forbids to enable the drive. An encoder that counts the wrong way does not: pulses are ended
-    /// by time.
+    /// Whether the findings so far allow the drive to be enabled. An encoder that counts the wrong way does, because
+    /// time ends the pulses.
     fn allows_motion(&self) -> bool {
         self.report.wrong().all(|check| check.name == hand::NAME)
     }
 
-    /// Whether there are pressure sensors, as far as the parameters say.
+    /// Whether there are pressure sensors, according to the parameters.
     fn measures_pressures(&self) -> bool {
         self.parameter(id::PRESSURE_SENSORS) != Some(0)
     }
 
-    /// The value of a parameter; None where the firmware does not have it.
+    /// The value of a parameter; None if the firmware does not have it.
     fn parameter(&self, id: u16) -> Option<i32> {
         self.parameters.values.get(id).filter(|_| !self.parameters.lacking.contains(&id))
     }
 
-    /// So many millimetres in counts; as many counts where their length is unknown.
+    /// Millimetres in counts; the same number of counts if their length is unknown.
     fn counts(&self, mm: f64) -> i32 {
         self.units.count_at(mm).unwrap_or(mm as i32).max(1)
     }
 
-    /// The checks for which the drive is enabled, in open loop. Parameters are put back whatever becomes of them, or of this
-    /// program.
+    /// The checks with the drive enabled, in open loop. Parameters are put back whatever happens to the checks or to
+    /// this program.
     fn move_it(&mut self, pushed: Option<i32>) -> Result<()> {
         let question = format!(
             "The cylinder will move: pulses of up to {}, until the slide has moved both ways; it is stopped beyond {:.0} mm. Air on, nobody in reach, emergency stop at hand. At the end the watchdog resets the board; the slide may jerk then. Enable the drive?",
@@ -190,7 +190,7 @@ impl BringUp<'_> {
         borrowed.end(self.client, moved)
     }
 
-    /// Pulses are commands, and none is exited early.
+    /// Pulses are commands, and none exits early.
     fn set_for_pulses(&mut self) -> Result<()> {
         for (id, value) in [(id::OPEN_LOOP, 1), (id::ON_ARRIVAL, 0)] {
             if self.parameter(id).is_some() {

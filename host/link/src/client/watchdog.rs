@@ -13,21 +13,21 @@ use crate::port::{self, Link};
 /// Between two attempts to open a port that has gone with its board.
 const OPEN_AGAIN: Duration = Duration::from_millis(50);
 
-/// A board that has answered so lately is there, although the last look at it was lost.
+/// A board that has answered this recently counts as present, although the last look at it was lost.
 const STILL_THERE: Duration = Duration::from_secs(1);
 
 const TRIAL_STAYS_ON: &str = "the trial of the watchdog stays on: the board is reset, or remains in the fault watchdog-tried; arming it ends the trial";
 
-/// What became of a board whose watchdog is not fed.
+/// The outcome of a trial of the watchdog.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Trial {
     /// It has no watchdog.
     NoWatchdog,
-    /// It answered after a reset, so long after the request.
+    /// It answered after a reset, this long after the request.
     Reset(Duration),
     /// It still answers, and was not reset.
     NotReset,
-    /// It has not answered at the end.
+    /// It did not answer until the end.
     Silent,
 }
 
@@ -49,8 +49,9 @@ impl Link for Closed {
 }
 
 impl Client {
-    /// Has the board feed its watchdog no more, and waits for so long until it answers after a reset, while `goes_on` lets it.
-    /// From then on this client talks to the new boot, which knows of no test, no reference and only of what was stored.
+    /// Has the board stop feeding its watchdog, and waits until it answers after the reset, at most for this long and
+    /// while `goes_on` allows it. From then on this client talks to the new boot, which knows no test, no reference
+    /// and only stored parameters.
     ///
     /// # Errors
     /// When the drive is not disarmed, another host commands it, or the board cannot tell one boot
@@ -68,7 +69,7 @@ impl Client {
         })
     }
 
-    /// Asks for the trial. Whether the board has a watchdog to try.
+    /// Requests the trial. Returns whether the board has a watchdog to try.
     fn begins_trial(&mut self) -> Result<bool> {
         let name = self.name.clone();
         self.ask_for_any(RequestBody::TryWatchdog, |reply| match reply {
@@ -80,7 +81,7 @@ impl Client {
         })
     }
 
-    /// Asks for the number of the boot until it is another one.
+    /// Asks for the number of the boot until it changes.
     fn wait_for_reset(&mut self, wait: Duration, goes_on: &mut dyn FnMut() -> Result<()>) -> Result<Trial> {
         let begun = Instant::now();
         let mut answered = None;
@@ -100,7 +101,7 @@ impl Client {
         Ok(without_reset(answered.map(|at| at.elapsed())))
     }
 
-    /// Whether an event of the fault log is of the boot that this client talks to.
+    /// Whether an event of the fault log belongs to the boot that this client talks to.
     #[must_use]
     pub fn is_of_this_boot(&self, event: &Event) -> bool {
         event.boot == self.boot
@@ -118,7 +119,7 @@ impl Client {
         })
     }
 
-    /// Opens the port again, if it is there: that of a board with USB goes at its reset.
+    /// Opens the port again, if it is there: the port of a board with USB disappears at its reset.
     fn open_again(&mut self) {
         // A port that is still held could not be opened again.
         self.link = Box::new(Closed(Instant::now()));
@@ -131,7 +132,7 @@ impl Client {
         let _ = self.greet();
     }
 
-    /// Nothing that was known of the boot before holds in this one.
+    /// Nothing known about the boot before holds in this one.
     fn begin_anew(&mut self, boot: u32) -> Result<()> {
         self.boot = boot;
         (self.commands, self.test_crc32, self.last_sample) = (false, None, None);
@@ -142,7 +143,7 @@ impl Client {
     }
 }
 
-/// What became of a board of which no reset was seen, by how long ago it answered last; None: never.
+/// The outcome for a board whose reset was not seen, by the time since its last answer; None: never.
 fn without_reset(silent_for: Option<Duration>) -> Trial {
     match silent_for {
         Some(silent) if silent <= STILL_THERE => Trial::NotReset,

@@ -1,4 +1,4 @@
-//! What the board says of itself: latched and logged faults, stored parameters, the evenness of its samples.
+//! The board's own reports: latched and logged faults, stored parameters, the evenness of its samples.
 
 use anyhow::Result;
 use pneudrive_controller::Fault;
@@ -9,7 +9,7 @@ use pneudrive_records::words;
 use super::watchdog::was_tried;
 use super::{BringUp, Check};
 
-/// Faults of the board itself: a new board has none of them in its log.
+/// Faults of the board itself. The log of a new board has none of them.
 const OF_THE_BOARD: [Fault; 4] = [Fault::Watchdog, Fault::Panic, Fault::ClockFailed, Fault::BadConfiguration];
 
 impl BringUp<'_> {
@@ -53,7 +53,7 @@ impl BringUp<'_> {
         Ok(())
     }
 
-    /// From one sample to the next, by the board's own clock.
+    /// Time from one sample to the next, by the board's own clock.
     pub(super) fn check_samples(&mut self) -> Result<()> {
         let [interval, latency] = self.client.timing()?;
         let period_us = self.parameter(id::PERIOD_US).unwrap_or(0).unsigned_abs();

@@ -1,5 +1,5 @@
-//! The enable line: with its wire off the amplifier nothing may move, whatever the converter says. And the drive at rest
-//! when it is enabled.
+//! The enable line: with its wire off the amplifier nothing may move, whatever the converter says. Also the drive at
+//! rest when it is enabled.
 
 use std::time::{Duration, Instant};
 
@@ -17,7 +17,7 @@ use pneudrive_link::failure::Failure;
 pub(super) const LINE: &str = "enable line";
 const REST: &str = "rest when enabled";
 
-/// Commands of the ramp, percent, and how long each stands, s: time to read a voltmeter.
+/// Commands of the ramp, percent, and how long each lasts, s: time to read a voltmeter.
 const RAMP: [i32; 5] = [-100, -50, 0, 50, 100];
 const STANDS_S: f64 = 3.0;
 
@@ -75,7 +75,7 @@ impl BringUp<'_> {
         Ok(())
     }
 
-    /// What the converter or the translator gets, against an instrument.
+    /// The output of the converter or to the translator, checked with an instrument.
     fn check_stage(&mut self) -> Result<()> {
         const NAME: &str = "drive stage";
         if self.operator.answers("Shut off the air and vent the drive, for a slow ramp. Is the air off?")
@@ -107,7 +107,7 @@ impl BringUp<'_> {
         Ok(())
     }
 
-    /// What an instrument shows at a command.
+    /// The reading of an instrument at a command.
     fn expected(&self, percent: i32) -> String {
         let command = self.command(percent);
         if self.is_stepper() {
@@ -120,7 +120,7 @@ impl BringUp<'_> {
         format!("{command:+} counts = {volts:.2} V at the pin")
     }
 
-    /// Arms and looks whether the slide stays. False when the checks must not go on.
+    /// Arms the drive and checks that the slide stays. Returns false if the checks must not continue.
     pub(super) fn check_enabled_rest(&mut self) -> Result<bool> {
         // Whoever ends the bring-up at a question does not want the drive armed.
         self.look()?;
@@ -157,7 +157,7 @@ impl BringUp<'_> {
         Ok(fault.is_none())
     }
 
-    /// How far the slide of an armed drive goes, counts, and the fault that it trips with, if any.
+    /// How far the slide of an armed drive moves, counts, and the fault that it trips with, if any.
     fn watch_rest(&mut self) -> Result<(i32, Option<u8>)> {
         let still = self.counts(STILL_MM);
         let from = self.client.status()?.position;

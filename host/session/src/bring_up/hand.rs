@@ -1,4 +1,4 @@
-//! The encoder while the slide is pushed out by hand: whether it counts, and which way.
+//! The encoder while the slide is pushed out by hand: whether it counts, and in which direction.
 
 use std::time::{Duration, Instant};
 
@@ -9,26 +9,26 @@ use super::{BringUp, Check};
 /// The name of this check.
 pub(super) const NAME: &str = "encoder by hand";
 
-/// A slide that has gone so far was pushed, mm.
+/// A slide that has moved this far was pushed, mm.
 const PUSHED_MM: f64 = 2.0;
 
-/// A slide that stays within [`STILL_MM`] for so long rests; longer than a pushing hand turns round.
+/// A slide that stays within [`STILL_MM`] for this long rests; longer than a pushing hand takes to turn round.
 const STILL: Duration = Duration::from_millis(700);
 
-/// What a slide at rest may shake by, mm.
+/// How far a slide at rest may shake, mm.
 const STILL_MM: f64 = 0.1;
 
 /// The longest wait for the slide to come to rest.
 const REST_WAIT: Duration = Duration::from_secs(10);
 
-/// Between two looks.
+/// Time between two looks.
 const LOOK: Duration = Duration::from_millis(5);
 
-/// What to do about tracks on each other's inputs.
+/// The advice for swapped tracks.
 pub(super) const TURN_ENCODER: &str = "the encoder counts the wrong way: exchange its tracks A and B (on the Nucleo A0 and A1), or set `pneudrive device config set encoder.polarity` to the other sign; of a potentiometer exchange the wires of its ends, and of an encoder with SSI set its direction";
 
 impl BringUp<'_> {
-    /// Waits for the slide to be pushed out. The direction of the counts, if it was.
+    /// Waits until the slide is pushed out. Returns the direction of the counts, if it was pushed.
     pub(super) fn check_hand(&mut self) -> Result<Option<i32>> {
         if self.options.push_wait.is_zero() {
             self.note(Check::left_out(NAME, "not asked for"));
@@ -71,7 +71,7 @@ impl BringUp<'_> {
         Ok(None)
     }
 
-    /// Waits until the slide rests: a hand may still be at it.
+    /// Waits until the slide rests, since a hand may still be on it.
     fn wait_for_rest(&mut self) -> Result<()> {
         let shake = self.counts(STILL_MM).unsigned_abs().max(2);
         let (begun, mut rests_since) = (Instant::now(), Instant::now());

@@ -1,4 +1,4 @@
-//! Short commands, each a test of its own that the board ends by itself, and what answers them.
+//! Pulses: short commands, each an open-loop test that the board ends by itself, and the answers to them.
 
 use std::time::{Duration, Instant};
 
@@ -20,38 +20,38 @@ pub(super) const NAME: &str = "pulses";
 /// How long a pulse lasts, s.
 pub(super) const PULSE_S: f64 = 0.1;
 
-/// `law` of a drive whose valve is shut or open, with nothing in between.
+/// `law` of a drive whose valve is either shut or open.
 const ON_OFF: i32 = 3;
 
-/// What is recorded before a pulse and after it, s.
+/// Recorded time before and after a pulse, s.
 const BEFORE_S: f64 = 0.05;
 const AFTER_S: f64 = 0.35;
 
 /// Commands of the pulses, percent of the valve.
 const LEVELS: [u8; 9] = [3, 5, 8, 12, 17, 23, 30, 40, 50];
 
-/// A slide that went so far has answered, mm.
+/// A slide that has moved this far has answered, mm.
 const ANSWER_MM: f64 = 0.5;
 
-/// Further than this no larger pulse is needed to see the pressures, mm.
+/// Beyond this distance no larger pulse is needed to see the pressures, mm.
 const PLENTY_MM: f64 = 3.0;
 
-/// Changes of a pressure and of the spool that are an answer, part of the range of the converter.
+/// Smallest change of a pressure and of the spool that counts as an answer, part of the converter's range.
 const ANSWER_RAW: f64 = 0.002;
 
-/// A channel that changes by less than this part of the other one does not answer.
+/// A channel that changes by less than this part of the other one has not answered.
 const SILENT: f64 = 0.03;
 
 /// The longest wait for the end of a pulse: an emulated rig is slower than the clock.
 const END_WAIT: Duration = Duration::from_secs(20);
 
-/// How long a stepper's spool may take to its null.
+/// How long a stepper's spool may take to reach its null.
 const WALK_TO_NULL: Duration = Duration::from_secs(2);
 
-/// Between two looks at a moving slide.
+/// Time between two looks at a moving slide.
 const LOOK: Duration = Duration::from_millis(5);
 
-/// An end that a pulse must not have.
+/// An unexpected end of a pulse.
 pub(super) enum Surprise {
     /// With this fault.
     Tripped(u8),
@@ -59,10 +59,10 @@ pub(super) enum Surprise {
     TooFar,
 }
 
-/// What a pulse gives, unless something surprises.
+/// The result of a pulse, unless it ends unexpectedly.
 pub(super) type Pulsed<T> = Result<Result<T, Surprise>>;
 
-/// The smallest changes that are an answer.
+/// The smallest changes that count as an answer.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Thresholds {
     pub counts: f64,
@@ -77,7 +77,7 @@ impl Thresholds {
             || pair.pressures().iter().any(|change| change.abs() >= self.pressure)
     }
 
-    /// Whether the slide went the same way whichever the command, and no further with the one than with the other.
+    /// Whether the slide went the same way for both commands, and equally far.
     fn creeps(&self, pair: &Pair) -> bool {
         let [out, back] = [pair.out.moved, pair.back.moved];
         let both = [out, back].iter().all(|way| f64::from(*way).abs() >= self.counts);
@@ -96,7 +96,7 @@ impl BringUp<'_> {
         steps.unwrap_or(i32::from(MAX_COUNTS))
     }
 
-    /// A command of so many percent of the valve, from its null.
+    /// A command of this percentage of the valve, from its null.
     pub(super) fn command(&self, percent: i32) -> i32 {
         let (largest, null) = (self.largest(), self.parameter(id::NULL_OFFSET_COUNTS).unwrap_or(0));
         let size = (largest * percent.abs() / 100).max(1) * percent.signum();
@@ -118,7 +118,7 @@ impl BringUp<'_> {
         (seconds * 1e6 / period_us).ceil().max(1.0) as u32
     }
 
-    /// The commands up to the largest that is allowed, percent.
+    /// The commands up to the largest allowed one, percent.
     pub(super) fn levels(&self) -> impl Iterator<Item = i32> + use<> {
         let most = self.options.most_percent;
         LEVELS.into_iter().filter(move |level| *level <= most).map(i32::from)
@@ -128,12 +128,12 @@ impl BringUp<'_> {
         self.parameter(id::LAW) == Some(ON_OFF)
     }
 
-    /// How long a pulse lasts, s. A valve that is shut or open is open for a little.
+    /// How long a pulse lasts, s. A valve that is either shut or open is open for a part of the pulse.
     fn pulse_s(&self, percent: i32) -> f64 {
         if self.is_on_off() { PULSE_S * f64::from(percent.abs()) / 100.0 } else { PULSE_S }
     }
 
-    /// A pulse of so many percent, in words.
+    /// A pulse of this percentage, in words.
     pub(super) fn pulse_in_words(&self, percent: i32) -> String {
         match self.is_on_off() {
             true => format!("{:.3} s with the valve open", self.pulse_s(percent)),
@@ -141,12 +141,12 @@ impl BringUp<'_> {
         }
     }
 
-    /// The command of a pulse: as the law gives it, an on-off valve is commanded as far as it goes.
+    /// The command of a pulse as the law gives it; an on-off valve gets its full command.
     fn pulse_command(&self, percent: i32) -> i32 {
         self.command(if self.is_on_off() { 100 * percent.signum() } else { percent })
     }
 
-    /// Gives a command for a pulse. The drive is disarmed then.
+    /// Gives a command for a pulse. The drive is disarmed afterwards.
     fn pulse(&mut self, percent: i32) -> Pulsed<Response> {
         let null = self.parameter(id::NULL_OFFSET_COUNTS).unwrap_or(0);
         let from = self.samples(BEFORE_S);
@@ -171,7 +171,7 @@ impl BringUp<'_> {
         Ok(self.pulse(-percent)?.map(|back| Pair { out, back }))
     }
 
-    /// Runs commands from their samples on; the drive is disarmed then, whatever becomes of it.
+    /// Runs commands from their samples on. The drive is disarmed afterwards, whatever happens.
     pub(super) fn run(&mut self, commands: &[(u32, i32)], last_sample: u32) -> Pulsed<()> {
         self.operator.goes_on()?;
         let mut sequence = Sequence::new(last_sample);
@@ -222,7 +222,7 @@ impl BringUp<'_> {
         bail!("the pulse did not end within {} s", END_WAIT.as_secs())
     }
 
-    /// Pulses out and back, larger and larger, until the slide has moved, and what their signs say.
+    /// Pulses out and back, larger and larger, until the slide has moved, and the meaning of their signs.
     pub(super) fn check_pulses(&mut self, pushed: Option<i32>) -> Result<()> {
         let thresholds = self.thresholds();
         let plenty = f64::from(self.counts(PLENTY_MM));
@@ -253,7 +253,7 @@ impl BringUp<'_> {
         Ok(())
     }
 
-    /// What a pair of answers is, in words.
+    /// A pair of answers in words.
     fn words(&self, pair: &Pair, thresholds: &Thresholds) -> String {
         let moved = pair.counts().round() as i32;
         let pressures = self.in_words(pair.pressures());
@@ -265,7 +265,7 @@ impl BringUp<'_> {
         format!("{moved:+} counts ({}){pressures}, {spool}", self.units.length(moved))
     }
 
-    /// Changes of the pressures, behind a comma.
+    /// Changes of the pressures, after a comma.
     pub(super) fn in_words(&self, [one, two]: [f64; 2]) -> String {
         match self.measures_pressures() {
             true => format!(", pressures {one:+.0} and {two:+.0} raw"),
@@ -273,7 +273,7 @@ impl BringUp<'_> {
         }
     }
 
-    /// What is wrong with a pair of answers.
+    /// The problem with a pair of answers.
     fn judge(&self, pair: &Pair, pushed: Option<i32>, thresholds: &Thresholds) -> Vec<String> {
         let counts = sign_of(pair.counts(), thresholds.counts);
         let measured = self.measures_pressures();
@@ -311,7 +311,7 @@ impl BringUp<'_> {
     }
 }
 
-/// The sign of a change that is an answer.
+/// The sign of a change that counts as an answer.
 fn sign_of(change: f64, threshold: f64) -> Option<i32> {
     (change.abs() >= threshold).then(|| change.signum() as i32)
 }
@@ -331,7 +331,7 @@ fn swaps(signs: &Signs) -> Vec<String> {
     }
 }
 
-/// What did not end by itself.
+/// The error for an unexpected end.
 pub(super) fn surprised(name: &'static str, did: &str, surprise: &Surprise) -> Check {
     let (saw, advice) = match surprise {
         Surprise::TooFar => (

@@ -1,21 +1,21 @@
-//! What a bring-up has found, as text for a file.
+//! The report of a bring-up, as text for a file.
 
 use pneudrive_records::rig_info::Info;
 use serde_json::{Value, json};
 
-/// What became of a check.
+/// The verdict of a check.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// As it must be.
+    /// Right.
     Right,
-    /// Not as it must be.
+    /// Wrong.
     Wrong,
-    /// Could not be seen, or was not tried.
+    /// Not seen, or not tried.
     NotChecked,
 }
 
 impl Verdict {
-    /// In a word.
+    /// The verdict in a word.
     #[must_use]
     pub fn word(self) -> &'static str {
         match self {
@@ -26,7 +26,7 @@ impl Verdict {
     }
 }
 
-/// A check: what was done and seen, what it must be, and what to do about it.
+/// A check: what was done and seen, what is right, and what to do.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Check {
     /// Its name.
@@ -35,16 +35,16 @@ pub struct Check {
     pub did: String,
     /// What was seen, with units.
     pub saw: String,
-    /// What it must be.
+    /// What is right.
     pub must: String,
-    /// Whether it is.
+    /// The verdict.
     pub verdict: Verdict,
-    /// What to do where it is not: wires first, then settings.
+    /// What to do if it is wrong: wires first, then settings.
     pub advice: Vec<String>,
 }
 
 impl Check {
-    /// A check that was done; right if there is nothing to do.
+    /// A check that was done. It is right if there is nothing to do.
     pub fn of(name: &'static str, did: &str, saw: String, must: &str, advice: Vec<String>) -> Check {
         let verdict = if advice.is_empty() { Verdict::Right } else { Verdict::Wrong };
         Check { name, did: did.to_owned(), saw, must: must.to_owned(), verdict, advice }
@@ -76,7 +76,7 @@ impl Check {
     }
 }
 
-/// What a bring-up has found.
+/// The findings of a bring-up.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Report {
     /// Kind of board.
@@ -93,12 +93,12 @@ impl Report {
         Report { board: info.board.clone(), firmware, checks: Vec::new() }
     }
 
-    /// The checks that are not as they must be.
+    /// The checks that are wrong.
     pub fn wrong(&self) -> impl Iterator<Item = &Check> {
         self.checks.iter().filter(|check| check.verdict == Verdict::Wrong)
     }
 
-    /// Verdicts in one line.
+    /// The verdicts in one line.
     #[must_use]
     pub fn summary(&self) -> String {
         let count = |verdict| self.checks.iter().filter(|check| check.verdict == verdict).count();

@@ -1,16 +1,16 @@
-//! What answers a pulse, from its record.
+//! The answer to a pulse, from its record.
 //!
 //! ```text
-//! moved     the position furthest from the first one, less it
+//! moved     the position furthest from the first one, minus the first one
 //! pressure  mean over the pulse, less the mean before it; the same of the spool
 //! ```
 
 use pneudrive_records::record::Record;
 
-/// What has answered a pulse.
+/// The answer to a pulse.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Response {
-    /// How far the slide went at most, counts.
+    /// Largest distance of the slide, counts.
     pub moved: i32,
     /// Changes of the pressures, raw.
     pub pressures: [f64; 2],
@@ -18,7 +18,7 @@ pub(super) struct Response {
     pub spool: f64,
 }
 
-/// From when to when the command was given, samples.
+/// The samples during which the command was given.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Window {
     /// Its first sample.
@@ -49,7 +49,7 @@ impl Response {
     }
 }
 
-/// The answers to a command and to its negative: what both have in common, such as a load that hangs, drops out.
+/// The answers to a command and to its negative. Their common part, such as a hanging load, cancels.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Pair {
     /// To the positive command.
@@ -59,7 +59,7 @@ pub(super) struct Pair {
 }
 
 impl Pair {
-    /// Half of the difference of the ways, counts.
+    /// Half of the difference of the distances, counts.
     pub fn counts(&self) -> f64 {
         0.5 * (f64::from(self.out.moved) - f64::from(self.back.moved))
     }
@@ -81,7 +81,7 @@ mod tests {
     use pneudrive_protocol::RecordedSample;
     use pneudrive_records::record::RecordHead;
 
-    /// Ten samples at rest, ten with a command that has the slide go by 5 counts a sample, ten on its way back.
+    /// Ten samples at rest, ten with a command that moves the slide by 5 counts a sample, ten on its way back.
     fn record() -> Record {
         let position = |k: i32| match k {
             ..10 => 100,

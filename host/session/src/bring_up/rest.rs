@@ -2,13 +2,13 @@
 //!
 //! | reading of a pressure | means |
 //! |---|---|
-//! | at or below `sensor_low_raw`, on and on | an open wire, which the pull-down holds at 0 |
+//! | stays at or below `sensor_low_raw` | an open wire, which the pull-down holds at 0 |
 //! | at or above `sensor_high_raw` | a short, or a transmitter beyond its range |
-//! | to and fro by more than a tenth of the range | an open input without a pull-down, which picks up the mains |
+//! | varies by more than a tenth of the range | an open input without a pull-down, which picks up the mains |
 //!
-//! To and fro is what a reading differs from the mean of its two neighbours, so that air which settles slowly is not taken
-//! for noise. The dither of a valve makes the pressures hum, too, by a few percent. What still seems wrong is read again a
-//! second later. A drive without pressure sensors has nothing to be read.
+//! The variation is the difference of a reading from the mean of the readings before and after it, so that air which
+//! settles slowly does not count as noise. The dither of a valve also makes the pressures hum, by a few percent.
+//! Readings that still seem wrong are repeated a second later. Without pressure sensors there is nothing to read.
 
 use std::time::Duration;
 
@@ -17,16 +17,16 @@ use pneudrive_controller::parameters::id;
 
 use super::{BringUp, Check};
 
-/// Readings of the sensors at rest, and the pauses between them in turn, ms. However long an answer of the port takes, not
-/// all of them fall on the same phase of the mains, which would hide its hum.
+/// The number of readings at rest, and the alternating pauses between them, ms. Whatever time the port takes to
+/// answer, the readings do not all fall on the same phase of the mains, which would hide its hum.
 const READINGS: usize = 40;
 const PAUSES_MS: [u64; 3] = [2, 7, 13];
 
-/// Air may take so long to settle before sensors are read again, and so often they are read at most.
+/// How long air may take to settle before sensors are read again, and how often they are read at most.
 const SETTLING: Duration = Duration::from_secs(1);
 const ROUNDS: usize = 3;
 
-/// A pressure at rest goes to and fro by less than this part of the range.
+/// A pressure at rest varies by less than this part of the range.
 const QUIET: f64 = 0.1;
 
 /// The names of the two channels, and their wires on the Nucleo.
@@ -34,7 +34,7 @@ pub(super) const CHANNELS: [&str; 2] =
     ["pressure 1 (blind side; A5 of the Nucleo)", "pressure 2 (rod side; A4)"];
 
 impl BringUp<'_> {
-    /// Reads the sensors of the drive for a while, and again where air may still settle.
+    /// Reads the sensors of the drive for a while, and again if air may still settle.
     pub(super) fn check_rest(&mut self) -> Result<()> {
         const NAME: &str = "sensors at rest";
         if !self.measures_pressures() {
@@ -88,13 +88,13 @@ impl BringUp<'_> {
     }
 }
 
-/// The least and the most of some readings.
+/// The smallest and the largest reading.
 fn ends(readings: &[i32]) -> (i32, i32) {
     let ends = |of: &dyn Fn(i32, i32) -> i32| readings.iter().copied().reduce(of).unwrap_or(0);
     (ends(&i32::min), ends(&i32::max))
 }
 
-/// What is wrong with readings, if the range between `low` and `high` is watched.
+/// The problem with readings, if the range between `low` and `high` is watched.
 fn judge(readings: &[i32], [low, high]: [i32; 2], full_scale: f64) -> Option<String> {
     let (least, most) = ends(readings);
     let to_and_fro =
@@ -126,13 +126,14 @@ mod tests {
         assert_eq!(judge(&[0, 3, 0], [-1, 32_767], 4095.0), None, "a rig without transmitters");
     }
 
-    /// Once the dither of a valve at its null, 154 counts of pressure from peak to peak, was taken for an open input.
+    /// The dither of a valve at its null, 154 counts of pressure from peak to peak, was once taken for an open input.
     #[test]
     fn the_hum_of_dither_is_no_open_input() {
         assert_eq!(judge(&[1296, 1450, 1296, 1450], [63, 4032], 4095.0), None);
     }
 
-    /// A port whose answers take 13 ms: pauses of 7 ms alone would read every 20 ms, the same phase of 50 Hz each time.
+    /// A port whose answers take 13 ms: with pauses of 7 ms alone it would read every 20 ms, always at the same phase
+    /// of 50 Hz.
     #[test]
     fn the_hum_of_the_mains_is_seen_through_a_port_of_any_latency() {
         for latency_ms in 0..40 {

@@ -1,7 +1,7 @@
-//! Which wires are swapped, from the signs of what answers a command.
+//! Which wires are swapped, from the signs of the answers to a command.
 //!
-//! With +1 for right and -1 for swapped wires V of the valve command, T of the tubes, E of the encoder's tracks, P of the two
-//! pressure transmitters and S of the spool transducer, a positive command shows
+//! Let V be the wires of the valve command, T the tubes, E the encoder's tracks, P the two pressure transmitters and
+//! S the spool transducer, each +1 if right and -1 if swapped. A positive command then shows
 //!
 //! ```text
 //! counts                      V T E
@@ -10,10 +10,10 @@
 //! and a push out by hand      E
 //! ```
 //!
-//! The fewest swaps that explain all that was seen are taken to be there. Where several explain it (V or T without a spool
+//! The fewest swaps that explain everything seen are assumed. If several explain it (V or T without a spool
 //! transducer), each is named.
 
-/// Two wires or tubes that are on each other's place, or one that is turned.
+/// Two wires or tubes in each other's place, or one that is turned.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Swap {
     /// The valve command is turned, at the converter's stage or the amplifier; of a stepper its direction.
@@ -32,7 +32,7 @@ impl Swap {
     /// Every swap.
     pub const ALL: [Swap; 5] = [Swap::Valve, Swap::Tubes, Swap::Encoder, Swap::Pressures, Swap::Spool];
 
-    /// What is swapped, and what to do.
+    /// The swap and its remedy.
     #[must_use]
     pub fn advice(self) -> &'static str {
         match self {
@@ -53,21 +53,21 @@ impl Swap {
     }
 }
 
-/// The signs of what was seen; None: not seen.
+/// The signs seen; None: not seen.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Signs {
-    /// Counts as a hand pushed the slide out.
+    /// Counts while a hand pushed the slide out.
     pub pushed: Option<i32>,
-    /// Counts of a positive command.
+    /// Counts after a positive command.
     pub counts: Option<i32>,
-    /// Pressure 1 less pressure 2 of a positive command.
+    /// Pressure 1 minus pressure 2 after a positive command.
     pub pressures: Option<i32>,
-    /// Spool of a positive command.
+    /// Spool after a positive command.
     pub spool: Option<i32>,
 }
 
 impl Signs {
-    /// What would be seen with these swaps.
+    /// The signs that these swaps would give.
     #[must_use]
     pub fn with(swaps: &[Swap]) -> Signs {
         let sign =
@@ -80,7 +80,7 @@ impl Signs {
         }
     }
 
-    /// The smallest sets of swaps that explain what was seen; one empty set where all is right.
+    /// The smallest sets of swaps that explain the signs; one empty set if everything is right.
     #[must_use]
     pub fn explanations(&self) -> Vec<Vec<Swap>> {
         let sets = (0..1u32 << Swap::ALL.len()).map(|bits| {
@@ -121,7 +121,8 @@ mod tests {
         assert_eq!(seen.explanations(), [[Swap::Valve], [Swap::Tubes]]);
     }
 
-    /// Swapped transmitters and tubes answer a command as swapped tracks do; only a hand tells.
+    /// Swapped transmitters and tubes answer a command in the same way as swapped tracks; only a push by hand tells
+    /// them apart.
     #[test]
     fn a_push_by_hand_tells_swapped_tracks_from_what_looks_like_them() {
         let both = Signs::with(&[Swap::Tubes, Swap::Pressures]);

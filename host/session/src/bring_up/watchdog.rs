@@ -1,9 +1,10 @@
-//! The watchdog: not fed any more, it must reset the board, and the fault log must name it.
+//! The watchdog: when it is no longer fed, it must reset the board, and the fault log must name it.
 //!
-//! It comes last: what was not stored is lost with the reset, as is the reference of the axis. Parameters and move records are put
-//! back. In a reset the converter of the valve may give any command. So the check is left out where the amplifier was seen to need
-//! no `drive_enable`, and where no pulses were given. With an enable line that nobody tested the slide may jerk in the reset; who
-//! let the cylinder move was told so.
+//! This check comes last, because the reset loses the reference of the axis and everything that was not stored.
+//! Parameters and move records are put back. In a reset the converter of the valve may give any command. So the check
+//! is skipped if the amplifier was seen to need no `drive_enable`, and if no pulses were given. With an enable line
+//! that nobody has tested the slide may jerk in the reset; the operator was told so before the cylinder was allowed
+//! to move.
 
 use std::time::{Duration, Instant};
 
@@ -19,13 +20,13 @@ use pneudrive_link::client::Trial;
 
 const NAME: &str = "watchdog";
 
-/// Between two looks at the fault log.
+/// Time between two looks at the fault log.
 const LOOK_AGAIN: Duration = Duration::from_millis(50);
 
 const DID: &str = "had the board feed its watchdog no more, drive disabled";
 const MUST: &str = "a reset, which the fault log puts down to the watchdog";
 
-/// What a reset takes from a drive that has not stored it.
+/// The state of a drive that a reset loses unless it is stored.
 struct Unstored {
     parameters: RigParameters,
     records: Vec<MoveRecord>,
@@ -61,7 +62,7 @@ impl BringUp<'_> {
         self.note(Check::of(NAME, DID, saw, MUST, vec![advice.to_owned()]));
     }
 
-    /// What keeps the watchdog from being tried.
+    /// The reason not to try the watchdog.
     fn why_no_trial(&mut self) -> Result<Option<String>> {
         let check = |name: &str| self.report.checks.iter().find(|check| check.name == name);
         let is_ungated = check(enable::LINE).is_some_and(|check| check.verdict == Verdict::Wrong);
@@ -82,7 +83,7 @@ impl BringUp<'_> {
         })
     }
 
-    /// What the fault log says of a reset; then the drive is as it was before.
+    /// The fault log's report of the reset. Afterwards the drive is as before.
     fn judge_reset(&mut self, after: Duration, unstored: &Unstored) -> Result<()> {
         let newest = self.newest_of_this_boot();
         // Whatever becomes of the log: the drive is as it was, or the report says that it is not.
@@ -100,8 +101,8 @@ impl BringUp<'_> {
         Ok(())
     }
 
-    /// The newest event of the boot that has begun. The fault that a board was reset by is logged with its first samples, which
-    /// may take an emulated board seconds.
+    /// The newest event of the new boot. The fault that caused the reset is logged with the first samples, which may
+    /// take seconds on an emulated board.
     fn newest_of_this_boot(&mut self) -> Result<Option<Event>> {
         let begun = Instant::now();
         loop {
@@ -115,7 +116,7 @@ impl BringUp<'_> {
         }
     }
 
-    /// Puts parameters and move records back. What is lost, in words.
+    /// Puts parameters and move records back. Returns what is lost, in words.
     fn put_back(&mut self, unstored: &Unstored) -> Result<&'static str> {
         if self.client.parameters()? != unstored.parameters {
             self.client.import_parameters(&unstored.parameters.values)?;
@@ -127,7 +128,7 @@ impl BringUp<'_> {
         Ok(if unstored.referenced && !referenced { "; the axis has lost its reference" } else { "" })
     }
 
-    /// Leaves the fault that the board was reset by.
+    /// Leaves the fault that caused the reset.
     fn leave_fault(&mut self) -> Result<()> {
         // A stepper's spool may have to be sought first; then the fault stays, and says so.
         if self.client.arm().is_ok() {
@@ -137,7 +138,7 @@ impl BringUp<'_> {
     }
 }
 
-/// Whether an event says that the watchdog has reset the board when it was tried: the one before it says that it was to.
+/// Whether an event says that the watchdog has reset the board in a trial: the event before it announces the trial.
 pub(super) fn was_tried(events: &[Event], place: usize) -> bool {
     let older = events.get(place + 1);
     older.is_some_and(|older| {
