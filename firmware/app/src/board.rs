@@ -1,4 +1,4 @@
-//! What the application needs of a board.
+//! The interface that the application needs from a board.
 
 use pneudrive_controller::drive::SpoolLocation;
 use pneudrive_controller::{Command, Config, Sample};

@@ -1,4 +1,4 @@
-//! A change on its way: its parts, collected until all of them are there.
+//! A change in transit: its parts, collected until all have arrived.
 
 use heapless::Vec;
 use pneudrive_protocol::change::MAX_CHANGE;

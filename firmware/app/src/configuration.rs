@@ -1,4 +1,4 @@
-//! The parameters in force, what the law runs on, the move records, and where they come from.
+//! The parameters in force, the controller's configuration, the move records, and their origin.
 
 use pneudrive_controller::config::ConfigError;
 use pneudrive_controller::parameters::id;

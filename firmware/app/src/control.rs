@@ -1,4 +1,4 @@
-//! The half with a deadline: sensors in, command out, record, watch the clock.
+//! The half with a deadline: it samples, drives, records and watches the clock.
 
 mod changes;
 mod commands;

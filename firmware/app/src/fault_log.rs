@@ -1,14 +1,15 @@
-//! The last hundred faults, through resets and power cuts.
+//! The last hundred faults, kept through resets and power cuts.
 //!
-//! The log stands in memory that a reset leaves as it is. Each event has a CRC-32 of its own there, so
-//! that logging takes the time of one event, and a reset in the middle of it costs that one alone. While
-//! the drive is disarmed, [`FaultLog::flush`] copies what is new to flash, for power cuts: each event as a mark in what the
-//! log leaves free of its slots. Only where the marks have no more room is the log saved anew, which erases a slot.
+//! The log is in memory that a reset leaves as it is. Each event has a CRC-32 of its own there. So logging takes the
+//! time of one event, and a reset in the middle of it loses only that event. While the drive is disarmed,
+//! [`FaultLog::flush`] copies new events to flash, for power cuts: each event as a mark in the free part of the log's
+//! slots. Only when there is no room for marks is the log saved anew, which erases a slot.
 //!
-//! It counts the boots, too, in that memory and as marks. So the number of a boot is that of no other one, also after a
+//! The log also counts the boots, in that memory and as marks. So each boot has a different number, also after a
 //! power cut.
 //!
-//! At boot: [`FaultLog::recover`], then [`FaultLog::restore`] and [`FaultLog::count_boot`], and only then the first event.
+//! At boot call [`FaultLog::recover`], then [`FaultLog::restore`] and [`FaultLog::count_boot`], and only then log the
+//! first event.
 
 mod mark;
 

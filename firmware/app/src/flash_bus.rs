@@ -1,9 +1,9 @@
-//! The flash bus: the flash of an emulated board, kept on the PC so that it outlives the board's power,
-//! and so that the power can be cut in the middle of an operation.
+//! The flash bus: the PC keeps the flash of an emulated board. So the flash outlives the board's power, and the power
+//! can be cut in the middle of an operation.
 //!
-//! The board asks and stands still until it is answered. A request is twelve bytes, little-endian: what (0:
-//! read, 1: write, 2: erase), three zeros, where, and how many bytes; with a write, these follow. The answer
-//! is the bytes that were read, or [`DONE`].
+//! The board sends a request and stands still until it is answered. A request is twelve bytes, little-endian: the
+//! operation (0: read, 1: write, 2: erase), three zeros, the address, and the number of bytes. With a write, these
+//! bytes follow. The answer is the bytes that were read, or [`DONE`].
 
 /// The answer to a write or an erase that was carried out.
 pub const DONE: u8 = 1;

@@ -1,4 +1,5 @@
-//! The digital inputs beside the control: what they want is done in pieces, as a request is ([`crate::selector`]).
+//! The digital inputs beside the control: their orders are carried out in pieces, as requests are
+//! ([`crate::selector`]).
 
 use crate::configuration::Prepared;
 use crate::shared_drive::SharedDrive;

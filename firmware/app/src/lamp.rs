@@ -1,4 +1,4 @@
-//! What a board's one lamp shows: 16 slots of 131 ms (2^17 us), over and over.
+//! The patterns of a board's one lamp: 16 slots of 131 ms (2^17 us), repeated.
 //!
 //! | state | pattern |
 //! |---|---|

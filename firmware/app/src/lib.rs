@@ -1,4 +1,4 @@
-//! The firmware of the drive without its board: everything but pins, clocks and interrupts.
+//! The firmware of the drive without its board: everything except pins, clocks and interrupts.
 //!
 //! A board owns an [`App`] and calls it from four places:
 //!
@@ -6,18 +6,19 @@
 //! |---|---|---|---|
 //! | [`Control::on_sample`] | timer, at k * period | highest | before the output |
 //! | [`Control::on_output`] | timer, `delay` later | highest | before the next sample |
-//! | [`Server::receive_beside`] | serial port | below | none; a request locks the two above out for short pieces of its work ([`SharedDrive`]) |
+//! | [`Server::receive_beside`] | serial port | below | none; a request locks out the two above for short pieces of its work ([`SharedDrive`]) |
 //! | [`inputs::attend`] | idle task, once a sample | below | none; a stop by an input waits for it |
-//! | [`Server::attend`], [`Server::speak`] | idle task | below | none; streams miss samples that it is late for |
+//! | [`Server::attend`], [`Server::speak`] | idle task | below | none; streams lose the samples for which it is late |
 //!
-//! A sample that comes later than the configuration allows trips the supervisor; it is never made up
-//! for. The [`Control`] half and the [`Server`] half share nothing but the requests
-//! that the server hands to the control half, one at a time.
+//! A sample that comes later than the configuration allows trips the supervisor; it is never made up for. The
+//! [`Control`] half and the [`Server`] half share only the requests that the server hands to the control half, one at
+//! a time.
 //!
-//! The same code runs natively as the virtual rig and on the microcontroller. A board whose plant is
-//! simulated exchanges it over the [`plant_bus`] and is a [`LockStep`].
+//! The same code runs natively as the virtual rig and on the microcontroller. A board with a simulated plant
+//! exchanges data with it over the [`plant_bus`] and is a [`LockStep`].
 //!
-//! What neither interrupt calls is marked cold where it is long: it is made small then, and not inlined where it is called.
+//! Long functions that neither interrupt calls are marked cold. The compiler then makes them small and does not
+//! inline them.
 #![no_std]
 #![forbid(unsafe_code)]
 

@@ -1,5 +1,5 @@
-//! A board whose plant is simulated elsewhere, in lock step: a sample is what has come over the plant bus, a
-//! command what will go. Its clock is that of the plant.
+//! A board whose plant is simulated elsewhere, in lock step. A sample is the data that came over the plant bus, a
+//! command is the data that goes out. Its clock is the plant's.
 
 use core::borrow::BorrowMut;
 

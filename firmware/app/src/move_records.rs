@@ -1,8 +1,8 @@
-//! The table of move records: moves that are begun by their number, without a PC.
+//! The table of move records: moves that digital inputs start by number, without a PC.
 //!
-//! A record has a target, a profile and a dwell: how long the axis stays there before it counts as in position. Numbers go
-//! from 1 to [`MOVE_RECORDS`]; 0 is none, and 15 stands for homing. The table is part of the stored configuration.
-//! There each record is nine pairs, as those of parameters:
+//! A record has a target, a profile and a dwell: how long the axis stays there before it counts as in position.
+//! Numbers go from 1 to [`MOVE_RECORDS`]; 0 is none, and 15 stands for homing. The table is part of the stored
+//! configuration. There each record has nine pairs of id and value, like parameters:
 //!
 //! | id | value |
 //! |---|---|

@@ -1,8 +1,8 @@
-//! Which host commands an enabled drive.
+//! Ownership: the host that commands an enabled drive.
 //!
-//! The session that arms a drive owns it until the drive is disarmed or trips. While the owner is there, other hosts may
-//! read and stop, nothing else. An owner that has said that it leaves, or has been silent for longer than
-//! `host_silence_ms`, is gone: any host may then disarm the drive, arm it anew or take it over.
+//! The session that arms a drive owns it until the drive is disarmed or trips. While the owner is present, other
+//! hosts may only read and stop. An owner that has left, or has been silent for longer than `host_silence_ms`, is
+//! gone: any host may then disarm the drive, arm it again or take it over.
 //!
 //! | presence | the owner may | others may |
 //! |---|---|---|
@@ -10,12 +10,12 @@
 //! | [`Presence::There`] | everything | read, stop |
 //! | [`Presence::Gone`] | come back, if it was only silent, but not to move the drive | read, stop, disarm, arm, take over |
 //!
-//! The digital inputs of a drive are an owner as well ([`session::INPUTS`]): what they have begun is theirs until it is
-//! disabled, and they begin nothing that a host has enabled.
+//! The digital inputs of a drive are an owner as well ([`session::INPUTS`]). A move that they have begun is theirs
+//! until the drive is disabled, and they begin nothing while a host has enabled the drive.
 //!
-//! A request is a sign of life once: a copy of it, by a gateway that repeats what it has, is none, nor is an older request. The
-//! numbers of a session's requests grow; they wrap, so one counts if it is ahead of the last by less than half of their range
-//! (RFC 1982).
+//! A request is a sign of life once. A copy from a gateway that repeats requests is none, nor is an older request.
+//! The numbers of a session's requests grow and wrap. So a request counts if its number is ahead of the last one by
+//! less than half of the range (RFC 1982).
 //!
 //! What an owner has said before it fell silent may still be on the line, and come once nobody watches the drive any
 //! more. So an owner that was gone arms or takes over again before it starts or homes.

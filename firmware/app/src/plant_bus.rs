@@ -1,9 +1,9 @@
-//! The plant bus: what a board exchanges with a simulated plant, once a sample, in lock step.
+//! The plant bus: the data that a board and a simulated plant exchange once a sample, in lock step.
 //!
-//! The board speaks first and the plant answers, with a fixed number of bytes each; whoever waits
-//! stands still. First each side says [`HELLO`]. Then, for every sample, the board sends [`Outputs`]:
-//! what the sample before led to and what becomes of the plant. The plant goes on to the next sample
-//! instant and answers with [`Inputs`]. All numbers are little-endian.
+//! The board speaks first and the plant answers, with a fixed number of bytes each. Each side waits for the other.
+//! First each side says [`HELLO`]. Then, for every sample, the board sends [`Outputs`]: the result of the sample
+//! before, and whether the plant moves on. The plant goes on to the next sample instant and answers with [`Inputs`].
+//! All numbers are little-endian.
 //!
 //! | `Outputs`, byte | holds |
 //! |---|---|

@@ -1,4 +1,4 @@
-//! The board's end of the plant bus on a line at which nobody may be, such as a second serial port.
+//! The board's end of the plant bus on a line that may have no other end, such as a second serial port.
 //!
 //! | the board | until | then |
 //! |---|---|---|
@@ -6,9 +6,8 @@
 //! | waits for inputs | they come | samples, drives, says the outputs and waits |
 //! | | [`PATIENCE_MS`] have passed | trips, if the drive is enabled, and greets |
 //!
-//! So the plant's frame triggers the sample. Requests are carried out while the board waits. A start among them
-//! makes the inputs that are on their way those of the plant before: they are passed over, the plant is told to
-//! begin, and what it answers is k = 0.
+//! So the plant's frame triggers the sample. Requests are carried out while the board waits. A start makes the inputs
+//! in transit obsolete: they are skipped, the plant is told to begin, and its next answer is k = 0.
 
 use core::borrow::BorrowMut;
 

@@ -1,4 +1,5 @@
-//! A flash in memory, for execution levels without one: it counts its erases, is never worn, and kept for as long as its owner keeps it.
+//! A flash in memory, for execution levels without one. It counts its erases, never wears out, and lives as long as
+//! its owner keeps it.
 
 use core::convert::Infallible;
 

@@ -1,22 +1,22 @@
-//! A drive without a PC: its digital inputs select a move record and begin it, its outputs tell how that goes.
+//! A drive without a PC: its digital inputs select a move record and start it, its outputs report the progress.
 //!
 //! | input | does |
 //! |---|---|
 //! | number | selects a record; 15: homing; 0, as open wires have it: nothing |
-//! | start, from off to on | begins it, if the drive is ready; else nothing: a start while the axis moves is ignored |
-//! | run, off | stops whatever moves, whoever has enabled it: a trip (`stop`) |
-//! | enable, off | disables what the inputs have enabled, without a fault; nothing begins |
+//! | start, from off to on | starts it, if the drive is ready; a start while the axis moves is ignored |
+//! | run, off | stops any motion, whoever has enabled the drive: a trip (`stop`) |
+//! | enable, off | disables a drive that the inputs have enabled, without a fault; nothing starts |
 //! | acknowledge, from off to on | acknowledges a fault or a stop: the next start may enable the drive again |
 //!
-//! Run off and enable off count at once. Everything else counts once all inputs have been the same for
-//! `input_debounce_ms`, so a contact that bounces is one edge. A start begins its record `input_settling_ms` later: start, run,
-//! enable and number must not change until then, so a number that comes late begins nothing. An edge counts only if run and
-//! enable were on before it, so nothing begins when the power comes. A board whose run input was never on since its reset has
-//! none: it does not stop what a host has enabled.
+//! Run off and enable off count at once. Everything else counts once all inputs have been constant for
+//! `input_debounce_ms`, so a contact that bounces is one edge. A start begins its record `input_settling_ms` later.
+//! Start, run, enable and number must not change until then, so a number that comes late starts nothing. An edge
+//! counts only if run and enable were on before it, so nothing starts when the power comes. A board whose run input
+//! was never on since its reset counts as one without that input: it does not stop a drive that a host has enabled.
 //!
-//! One owner: the inputs begin nothing that a host has enabled, and while they have enabled the drive, hosts may read and
-//! stop. A stop or a trip withdraws what the inputs were permitted, whatever the drive does, also an edge that has yet to count:
-//! it is acknowledged anew before the next start.
+//! There is one owner. The inputs start nothing while a host has enabled the drive, and while they have enabled it,
+//! hosts may only read and stop. A stop or a trip withdraws the permission of the inputs, whatever the drive does,
+//! including an edge that does not count yet. It must be acknowledged again before the next start.
 
 use pneudrive_controller::config::Timing;
 pub use pneudrive_protocol::io::{input, output};

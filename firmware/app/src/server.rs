@@ -1,9 +1,9 @@
-//! The half that talks: frames in, one reply for each request.
+//! The half that talks: one reply for each request.
 //!
-//! Every request is carried out or refused before the next one, and answered with its own sequence number;
-//! the host asks again for what it has not heard. Nothing here waits: a reply is written, and that
-//! is all. Unasked go the rows of a [`Stream`](crate::stream) alone. What changes the drive happens in one piece, between
-//! two control interrupts; what only reads much of it does so in several.
+//! Every request is carried out or refused before the next one, and answered with its own sequence number. The host
+//! repeats a request whose answer it has not received. Nothing here waits: a reply is written, and that is all. Only
+//! the rows of a [`Stream`](crate::stream) go out unasked. A change of the drive happens in one piece, between two
+//! control interrupts. A long read happens in several.
 
 mod answers;
 mod requests;

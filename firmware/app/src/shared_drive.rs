@@ -1,8 +1,8 @@
-//! The drive as its two users see it: the interrupt that controls it, and the task that talks to the host.
+//! The drive as its two users share it: the interrupt that controls it, and the task that talks to the host.
 //!
-//! A request is carried out while the interrupt may come at any time. It locks the drive only for the pieces of work that
-//! need it, and each of them is short (docs/firmware-figures.md): decoding a request, framing its reply and computing a CRC
-//! happen in between.
+//! The interrupt may come at any time during a request. So the request locks the drive only for the pieces of work
+//! that need it. Each of them is short (docs/firmware-figures.md). Decoding a request, framing its reply and
+//! computing a CRC need no lock.
 
 use core::borrow::BorrowMut;
 

@@ -1,4 +1,4 @@
-//! What a board keeps through a reset and a power cut: the configuration and the fault log.
+//! The data that a board keeps through a reset and a power cut: the configuration and the fault log.
 
 use core::borrow::BorrowMut;
 use core::ops::Range;

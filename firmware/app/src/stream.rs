@@ -1,9 +1,9 @@
-//! The stream: samples of a run that go to the host while it is on, as long as it likes.
+//! The stream: samples of a run that go to the host while it is on, for as long as it lasts.
 //!
-//! It lives in the half that talks. Every round of the idle task looks at what the last sample was made
-//! into, so the interrupts know nothing of it; a sample that nobody had time to look at is missing in the
-//! indices. Rows are numbered: the host sees which ones the link has lost, and has them again while they
-//! are held. Nothing goes out that was not granted, so a host that is gone is not talked to for long.
+//! It belongs to the half that talks. Every round of the idle task looks at the last sample, so the interrupts know
+//! nothing of the stream. A sample that the idle task had no time for is missing in the indices. Rows are numbered,
+//! so the host sees which ones the link has lost, and can request them again while they are held. Only granted rows
+//! go out, so the stream soon stops when its host has gone.
 
 use pneudrive_controller::Observation;
 use pneudrive_protocol::{MAX_ROWS, ReplyBody, StreamedSample};

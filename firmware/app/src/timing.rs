@@ -1,5 +1,5 @@
-//! The timer calibration (thesis 7.1.4), by the board's own clock: how even the samples come, and how
-//! long a sample takes to become an output.
+//! The timer calibration (thesis 7.1.4), by the board's own clock: how even the samples are, and how long a sample
+//! takes to become an output.
 
 use pneudrive_controller::config::Timing;
 use pneudrive_protocol::{HISTOGRAM_BINS, Spread};

@@ -1,4 +1,4 @@
-//! The host that commands the drive: whether it is there, and what becomes of a drive without it.
+//! The host that commands the drive: whether it is present, and what happens to a drive without it.
 
 use core::borrow::BorrowMut;
 

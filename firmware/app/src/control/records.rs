@@ -1,4 +1,4 @@
-//! What the digital inputs want of the drive ([`crate::selector`]).
+//! The orders of the digital inputs to the drive ([`crate::selector`]).
 
 use core::borrow::BorrowMut;
 

@@ -1,4 +1,4 @@
-//! What was downloaded to be run.
+//! The downloaded test.
 
 use heapless::String;
 use pneudrive_controller::{Move, Sequence};

@@ -1,4 +1,4 @@
-//! Parameters, a test and move records that are taken together, or not at all: while the drive is disarmed.
+//! Parameters, a test and move records that are accepted together or not at all, while the drive is disarmed.
 
 use core::borrow::BorrowMut;
 

@@ -1,4 +1,4 @@
-//! The spool of a stepper valve: kept through a reset, and found again after one.
+//! The spool location of a stepper valve: kept through a reset, and recovered after one.
 
 use core::borrow::BorrowMut;
 

@@ -1,8 +1,7 @@
 //! The step pulse of a translator as values of a one-pulse timer.
 //!
-//! The timer counts microseconds from 0, drives its output from the compare value on and stops after
-//! the reload value: direction set-up time and pulse are the hardware's, whatever the processor does
-//! meanwhile.
+//! The timer counts microseconds from 0, drives its output from the compare value on, and stops after the reload
+//! value. So the hardware keeps direction set-up time and pulse, whatever the processor does meanwhile.
 
 use pneudrive_controller::drive::Translator;
 

@@ -1,4 +1,4 @@
-//! What has come into a circular buffer that the hardware fills.
+//! The bytes that have arrived in a circular buffer that the hardware fills.
 
 /// Where the reader stands.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

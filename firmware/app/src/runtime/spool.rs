@@ -1,7 +1,7 @@
-//! Where the spool of a stepper valve is, as two words of memory that a reset leaves as it is.
+//! The spool location of a stepper valve, as two words of memory that a reset leaves as they are.
 //!
-//! The second word is the complement of the first, in which a mark stands beside the location. A reset between the
-//! two writes leaves words that do not belong together, and so does memory that was without power.
+//! The second word is the complement of the first, which holds a mark beside the location. A reset between the two
+//! writes leaves words that do not match, and so does memory that was without power.
 
 use pneudrive_controller::drive::SpoolLocation;
 

@@ -1,7 +1,8 @@
-//! The idle task: serves the port and the stream, heeds the digital inputs, stores what waits for a disabled drive, feeds the watchdog.
+//! The idle task: serves the port and the stream, reads the digital inputs, stores what waits for a disabled drive,
+//! feeds the watchdog.
 //!
-//! The control is locked out for short pieces of a request, each of them begun when there is time for it before the
-//! control is due ([`Served::has_time`]).
+//! A request locks out the control for short pieces of its work. Each piece begins only if there is time for it
+//! before the control is due ([`Served::has_time`]).
 
 use core::borrow::BorrowMut;
 use core::convert::Infallible;

@@ -1,4 +1,4 @@
-//! What a drive tells of itself.
+//! The reports of a drive about itself.
 
 use core::borrow::{Borrow, BorrowMut};
 

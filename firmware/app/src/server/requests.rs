@@ -1,4 +1,4 @@
-//! Requests, carried out one by one: what each does, and what is answered.
+//! Carries out requests one by one: the effect of each, and its answer.
 
 use core::borrow::BorrowMut;
 

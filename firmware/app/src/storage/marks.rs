@@ -1,4 +1,4 @@
-//! Entries in what the records of a pair of slots leave free, each a mark of its own: to note one takes no erase.
+//! Entries in the free part of a pair of slots, each a mark of its own. Writing a mark takes no erase.
 //!
 //! | bytes of a mark | hold |
 //! |---|---|
@@ -7,7 +7,7 @@
 //! | 4 | CRC-32 (ISO-HDLC) of both |
 //! | the rest of 32 | nothing: erased |
 //!
-//! Each mark goes to the first erased place. One that a power cut has torn takes its place for good and is passed over; one
+//! Each mark goes to the first erased place. A mark that a power cut has torn keeps its place and is skipped. One
 //! that still reads as erased is tried again.
 
 use embedded_storage::nor_flash::{NorFlash, ReadNorFlash};

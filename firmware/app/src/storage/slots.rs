@@ -1,7 +1,7 @@
 //! Two slots of flash that keep one record through any power cut.
 //!
-//! A record is written into the slot that does not hold the newest whole one. So there is always the
-//! old record or the new one, whatever the flash was doing when the power went.
+//! A record is written into the slot that does not hold the newest complete one. So there is always the old record or
+//! the new one, whatever the flash was doing when the power went.
 //!
 //! | bytes of a slot | hold |
 //! |---|---|
@@ -11,14 +11,13 @@
 //! | 4 | generation: saves so far, wrapping |
 //! | 2 | entries |
 //! | entries * bytes of an entry | the entries |
-//! | 4 | CRC-32 (ISO-HDLC) of all that stands before it |
-//! | what is left | nothing, or [marks](super::marks) |
+//! | 4 | CRC-32 (ISO-HDLC) of everything before it |
+//! | the rest | nothing, or [marks](super::marks) |
 //! | the last 32 of the slot | the seal |
 //!
-//! Numbers are little endian. The seal is zeros, written once the record has been read back. A record
-//! whose CRC is right is good with or without it; a record whose CRC is wrong was never finished if
-//! the seal is erased, and was damaged later if it is not. This tells a first save that was cut short
-//! from a lost configuration.
+//! Numbers are little-endian. The seal is zeros, written once the record has been read back. A record with a correct
+//! CRC is good with or without it. A record with a wrong CRC was never finished if the seal is erased, and was
+//! damaged later if it is not. This distinguishes a first save that was cut short from a lost configuration.
 
 use core::ops::Range;
 
