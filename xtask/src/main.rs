@@ -22,14 +22,14 @@ enum Command {
     /// Everything that CI runs: fmt --check, lint, test, docs
     Ci,
     /// All tests on the PC and in the emulator, the no_std crates built for the boards, and the probe; or one group of
-    /// tests that needs more, whose tools are installed
+    /// tests that needs more, and installs it
     Test {
         /// This group alone
         group: Option<Group>,
     },
     /// Format all workspaces
     Fmt {
-        /// Only tell what is not formatted
+        /// Only list the files that are not formatted
         #[arg(long)]
         check: bool,
     },
@@ -37,8 +37,8 @@ enum Command {
     Lint,
     /// Build the documentation, warnings as errors
     Docs,
-    /// Whether licences and sources of other people's code are those that deny.toml allows; advisories by cargo-deny, where
-    /// it is installed and reaches their database
+    /// Check licences and sources of other people's code against deny.toml; advisories by cargo-deny, where it is
+    /// installed and reaches their database
     Deny,
     /// Build the image that links the controller; no panic, no float, no division routine may be in it
     Probe,
@@ -59,9 +59,9 @@ enum Command {
         #[arg(long)]
         write: bool,
     },
-    /// Ten minutes of a drive's time in the emulator, compared with the simulation sample by sample
+    /// Ten minutes of drive time in the emulator, compared with the simulation sample by sample
     Soak {
-        /// So many seconds instead
+        /// Seconds of drive time
         #[arg(default_value_t = 600)]
         seconds: u32,
     },
@@ -73,15 +73,15 @@ enum Command {
     /// Count what the simulator's runs cost, in evaluations and in instructions, and write the tables of docs/counts.md
     /// anew
     Cost,
-    /// Run the simulator on emulated processors without AVX: the results must be the same bits
+    /// Run the simulator on emulated processors without AVX, where the results must be the same bits: installs qemu-user
     Processors,
     /// Replace the golden hashes of results that have changed (hil-tests/golden.toml)
     Bless {
-        /// Words of the line of CHANGELOG.md that says why they have
+        /// Words of the line of CHANGELOG.md that says why
         #[arg(long)]
         cause: String,
     },
-    /// Reproduce the whole thesis and hold its numbers against host/tests/thesis.toml, which CI does with chapter 7
+    /// Reproduce the whole thesis and compare its numbers with host/tests/thesis.toml; CI does so with chapter 7
     Thesis {
         /// Write the file anew
         #[arg(long)]
@@ -118,4 +118,27 @@ fn main() -> ExitCode {
         Command::SoakLink => link::soak(&mut tally),
     }
     tally.report()
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory;
+
+    use super::Arguments;
+
+    #[test]
+    fn the_guide_names_only_commands_that_there_are() {
+        let known = Arguments::command();
+        for page in ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "docs/trust.md", "docs/link.md"] {
+            let text = std::fs::read_to_string(xtask::cargo::root().join(page)).expect(page);
+            let words = text.split("cargo xtask").skip(1).filter_map(|rest| rest.split_whitespace().next());
+            for word in words.map(|word| word.trim_end_matches(|one: char| !one.is_alphanumeric())) {
+                let name = word.split('`').next().unwrap_or_default();
+                assert!(
+                    name == "help" || known.find_subcommand(name).is_some(),
+                    "{page}: cargo xtask {name}"
+                );
+            }
+        }
+    }
 }

@@ -24,6 +24,7 @@ pub fn fmt(tally: &mut Tally, check: bool) {
     let images = [&["fmt"], check].concat();
     tally.check("format of firmware/", || run(&mut in_firmware(&images, &cargo::image_folder()?)));
     tally.check("format of firmware/pico2/", || run(&mut in_pico2(&images)?));
+    tally.check("format of fuzz/", || run(&mut cargo::in_folder(&cargo::root().join("fuzz"), &images)));
     tally.check("format of hil-tests/flashed-image/", || run(&mut flashed::cargo(&images)?));
     tally.check("format of host/python/", || run(&mut python::cargo(&images)?));
 }
@@ -61,15 +62,16 @@ fn in_pico2(arguments: &[&str]) -> Result<Command> {
 /// Tests that need more than Rust and an emulator.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Group {
-    /// The pages in a browser
+    /// The HTML reports, the studio, and its page without a server in a browser: installs Chromium, and axe-core from
+    /// npm, where allowed
     Web,
-    /// What must compile for other systems: the command for Windows
+    /// The command compiled for Windows: installs the target
     Targets,
-    /// A short run of the image that is flashed
+    /// A short run of the image that is flashed: installs cmake and clang where allowed
     Flashed,
-    /// The Python package as a wheel in an environment of its own
+    /// The Python package as a wheel, with what its tests need, in target/python-venv
     Python,
-    /// The FMUs in FMPy
+    /// FMUs, validated and simulated by FMPy in target/fmu-venv
     Fmu,
 }
 
