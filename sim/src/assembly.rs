@@ -5,10 +5,10 @@
 //! command -> amplifier, hysteresis, coil -> spool -> lands -> network of flows -> chambers -> piston -> load
 //! ```
 //!
-//! State, in SI: position and velocity of the load, mass and Exner pressure of both chambers, the pressure ratios of lagged
-//! tubes, position and velocity of the spool, the pressures of lagged sensors, and the states of the load's
-//! friction. The modes say on which smooth piece of the equations the system is; the order of what happens at one
-//! instant is EQUATIONS section 11.
+//! State, in SI: position and velocity of the load, mass and Exner pressure of both chambers, the pressure ratios of
+//! lagged tubes, position and velocity of the spool, the pressures of lagged sensors, and the states of the load's
+//! friction. The modes tell on which smooth piece of the equations the system is. EQUATIONS section 11 orders the
+//! changes at one instant.
 
 mod air;
 pub(crate) mod build;

@@ -9,11 +9,11 @@
 //!
 //! In open loop (L(3) = 0, "available for all controller modules", 6.3.3) the target is the command itself.
 //!
-//! The windows Wv T and Wa T give n_v and n_a the units of the sampled law, so that the same gains
-//! mean the same. y'' includes the friction, so the command jumps at stick and slip. The index of the
-//! profile is a mode: each change of it is an event. The target changes only at sample instants.
+//! The windows Wv T and Wa T give n_v and n_a the units of the sampled law, so the same gains mean the same. y''
+//! includes the friction, so the command jumps at stick and slip. The index of the profile is a mode: each change of
+//! it is an event. The target changes only at sample instants.
 //!
-//! A hysteresis asks which way the command moves. Between the jumps, and before it is limited:
+//! A hysteresis needs the direction of the command. Between the jumps, and before the command is limited:
 //!
 //! ```text
 //! dn/dt = -(Kp[i] y' + Kv y'' Wv T + Ka y''' Wv Wa T^2) / (pulse scale)

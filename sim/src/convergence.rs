@@ -1,26 +1,26 @@
-//! Whether the transient of a run is converged, or whether the error of its integration chose between two.
+//! Whether a run has converged, or the error of its integration has chosen between two transients.
 //!
-//! Positions become counts. Where a sampled position is nearer to a count's edge than the integration is exact,
-//! the exact solution may have the other count, and from there on another transient; the same holds for pressures
-//! where the law reads them. Everything else in the plant depends on its state without such jumps, or its error
-//! shows.
+//! Positions become counts. If a sampled position is closer to the edge of a count than the integration error, the
+//! exact solution may have the other count there, and another transient from then on. The same holds for pressures if
+//! the law reads them. Everything else in the plant depends on its state without such jumps, or its error shows.
 //!
-//! The error of a run is that of its plant under its own commands: other integrations under the same commands,
-//! whose errors are of another size, show it without a second loop that could part from the first. With y the positions of
-//! the run, and d_k(t) = max over j <= k of |y_j - y_j(t)| their distance from those at a tolerance t:
+//! The error of a run is the error of its plant under its own commands. Other integrations under the same commands,
+//! whose errors are of another size, show it without a second loop that could part from the first. Let y be the
+//! positions of the run, and d_k(t) = max over j <= k of |y_j - y_j(t)| their distance from those at a tolerance t:
 //!
 //! ```text
 //! c_k = max(d_k(100 tolerance), 0.1 d_k(1000 tolerance))     first, as it costs little; coarsest 1e-4
-//! f_k = max(3 d_k(tolerance / 100), 0.01 c_k)                where that leaves the run unconverged; finest 1e-13
+//! f_k = max(3 d_k(tolerance / 100), 0.01 c_k)                if c does not suffice; finest 1e-13
 //! converged:  distance of y_k to an edge > e_k, and e_k < 10 um, at every sample, with e = c or e = f
 //! ```
 //!
-//! One other integration can agree with the run by chance, and did: a drive whose errors grow 5,000-fold over its
-//! test was 4 nm from its solution at 1e-13, and both were 22 nm off. Two of different size hardly do so at the same time;
-//! where no coarser one is left, two finer ones are compared. A finer integration is no more exact than the run
-//! where rounding sets the errors of both; the coarser ones have shown then how far errors grow, and the floor of f_k is
-//! that part of what they showed. Two decades of tolerance change the error 60-fold as a rule, so c_k is some 60 times the
-//! error and its floor three fifths of it. How often each holds is measured (docs/agreement.md).
+//! A single other integration can agree with the run by chance. In one drive, whose errors grow 5,000-fold over its
+//! test, it was 4 nm from the solution at 1e-13 when both were 22 nm off. Two integrations with errors of different
+//! size hardly agree at the same time. If no coarser one is left, two finer ones are compared. Where rounding sets
+//! the errors, a finer integration is no more exact than the run. The coarser ones then show how far errors grow, and
+//! the floor of f_k is a part of their distance. Two decades of tolerance usually change the error 60-fold. So c_k is
+//! some 60 times the error, and its floor three fifths of it. docs/agreement.md has measured how often each bound
+//! holds.
 
 use crate::component::controller;
 use crate::component::sensors::Sensors;
@@ -32,50 +32,50 @@ use crate::values::Rig;
 use crate::values::seconds;
 use pneudrive_solver::IntegrationError;
 
-/// A run whose positions are estimated to be more wrong than this is not converged, m.
+/// A run whose positions are estimated to be further off than this has not converged, m.
 pub const LARGEST_ERROR_M: f64 = 1e-5;
 
-/// How much coarser the first integrations are, and the part of the distance to each that bounds the run's own error.
+/// How much coarser the first integrations are, and the factors from the distances to them to the bound on the error.
 const COARSER: [(f64, f64); 2] = [(1e2, 1.0), (1e3, 0.1)];
 
-/// How much finer the next one is, and how many times the distance to it bounds the error.
+/// How much finer the next one is, and the factor from the distance to it to the bound on the error.
 const FINER: f64 = 1e-2;
 const OF_FINER: f64 = 3.0;
 
-/// The least error of a run by the finer integration: this part of the bound by the coarser ones.
+/// The smallest error by the finer integration, as a part of the bound by the coarser ones.
 const FLOOR: f64 = 0.01;
 
-/// Of other integrations, one alone may agree with the run by chance.
+/// A single other integration may agree with the run by chance.
 const FEWEST: usize = 2;
 
-/// The loosest and the tightest tolerance that are of use.
+/// The loosest and the tightest useful tolerance.
 const COARSEST: f64 = 1e-4;
 /// The other integration of a coarse run must not be coarse itself.
 const FINE: f64 = 1e-7;
 const FINEST: f64 = 1e-13;
 
-/// What is known of the exactness of a run.
+/// The exactness of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Convergence {
-    /// The sampled position that came closest to another count; None where no encoder is in the loop.
+    /// The sampled position that came closest to another count; None without an encoder in the loop.
     pub closest_edge: Option<Edge>,
     /// Estimated error of the positions, the largest of the run, m.
     pub error_m: f64,
-    /// From when on the exact transient may be another one, s.
+    /// The time from which the exact transient may be another one, s.
     pub unconverged_from_s: Option<f64>,
 }
 
 /// A sampled position near the edge of a count.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Edge {
-    /// How near, m.
+    /// The distance to the edge, m.
     pub distance_m: f64,
-    /// When, s.
+    /// The time, s.
     pub at_s: f64,
 }
 
 impl Convergence {
-    /// Of a run that no other integration can be compared with.
+    /// For a run with no other integration to compare.
     pub const UNKNOWN: Convergence =
         Convergence { closest_edge: None, error_m: f64::INFINITY, unconverged_from_s: Some(0.0) };
 
@@ -86,7 +86,7 @@ impl Convergence {
     }
 }
 
-/// Determines whether a run of a rig with this accuracy is converged.
+/// Determines whether a run of a rig with this accuracy has converged.
 ///
 /// # Errors
 /// When a finer integration fails.
@@ -105,7 +105,7 @@ pub fn check_convergence(rig: &Rig, accuracy: Accuracy, run: &Run) -> Result<Con
     Ok(if others.len() < FEWEST && convergence.is_converged() { Convergence::UNKNOWN } else { convergence })
 }
 
-/// A run that is held against others of its rig.
+/// A run that is compared with others of its rig.
 struct Comparison<'a> {
     rig: &'a Rig,
     accuracy: Accuracy,
@@ -128,7 +128,7 @@ impl Comparison<'_> {
         others
     }
 
-    /// A finer integration, or two; those that are of use.
+    /// A finer integration, or two; those that are useful.
     fn finer(&self, two: bool) -> Result<Vec<Other>, IntegrationError> {
         let first = (FINER * self.accuracy.tolerance).clamp(FINEST, FINE);
         let tolerances = [first, FINER * first].into_iter().take(1 + usize::from(two));
@@ -149,7 +149,7 @@ impl Comparison<'_> {
 /// Another integration under the commands of a run.
 struct Other {
     readings: Vec<Reading>,
-    /// Of the distance to it, which bounds the error of the run.
+    /// The factor from the distance to it to the bound on the error of the run.
     part: f64,
 }
 
@@ -162,8 +162,8 @@ impl Other {
     }
 }
 
-/// What the sensors would have read of the plant of a run, integrated another way: under the run's commands, or with
-/// the continuous controller in its own loop.
+/// The readings of a run's plant in another integration: under the run's commands, or with the continuous controller
+/// in its own loop.
 fn readings(rig: &Rig, accuracy: Accuracy, of: &Run) -> Result<Vec<Reading>, IntegrationError> {
     if rig.get(&keys::controller::MODEL) == controller::Model::Continuous {
         return run(rig, accuracy).map(|run| run.readings);
@@ -175,7 +175,7 @@ fn readings(rig: &Rig, accuracy: Accuracy, of: &Run) -> Result<Vec<Reading>, Int
     follow(rig, accuracy, timing, &of.commands)
 }
 
-/// Which readings the law of a rig takes, and how they become counts.
+/// The readings that the law of a rig uses, and their conversion to counts.
 struct Judge {
     sensors: Sensors,
     reads_position: bool,

@@ -1,7 +1,7 @@
-//! A plant under known commands: those recorded on a rig drive its model.
+//! A plant under known commands: the commands recorded on a rig drive its model.
 //!
-//! The loop is not closed a second time. A controller that sees a model instead of the rig gives other commands, and two
-//! closed loops diverge; with the recorded commands, a deviation is due to the plant alone.
+//! The loop is not closed a second time. With a model instead of the rig, a controller would give other commands, and
+//! the two closed loops would diverge. With the recorded commands, a deviation is due to the plant alone.
 
 use pneudrive_controller::Command;
 
@@ -19,10 +19,10 @@ pub struct Timing {
     pub delay_us: u64,
 }
 
-/// What following commands came to.
+/// The result of following commands.
 #[derive(Clone, Debug)]
 pub struct Followed {
-    /// The readings, sample by sample; fewer than commands where the run was given up or failed.
+    /// The readings, sample by sample; fewer than commands if the run was given up or failed.
     pub readings: Vec<Reading>,
     /// Evaluations of the right-hand side that it took.
     pub evaluations: u64,
@@ -30,9 +30,9 @@ pub struct Followed {
     pub failed: Option<IntegrationError>,
 }
 
-/// The readings at the samples 0, 1, 2... of the plant of `rig`, in the initial state of its test, under
-/// the commands computed from these samples: as many as there are commands. True values: errors of the sensors' scales are
-/// not in them.
+/// The readings at the samples 0, 1, 2... of the plant of `rig`, in the initial state of its test, under the commands
+/// computed from these samples. There are as many readings as commands. They are true values, without the errors of
+/// the sensors' scales.
 ///
 /// # Errors
 /// When the integration fails.

@@ -1,5 +1,5 @@
 //! The historical bug of the gain routine (thesis 8.2.5, L(19); EQUATIONS section 9): it "could only give positive
-//! gains". The thesis has no more of it, so there are three readings:
+//! gains". The thesis says no more, so there are three readings:
 //!
 //! ```text
 //! no-negative-gain   n_pg = max(Kp[i] n_p, 0)    to the letter: the positional gain n_pg (6.3.3) is never negative
@@ -8,13 +8,12 @@
 //! demand = (n_pg - Kv n_v - Ka n_a) / scale + null offset
 //! ```
 //!
-//! The last one is "min(n_p/4, 255)" of Appendix IX (a) to the letter: n_p/4 of a negative n_p is a large number without
-//! its sign.
+//! The last reading takes "min(n_p/4, 255)" of Appendix IX (a) to the letter: n_p/4 of a negative n_p is a large
+//! number without its sign.
 //!
-//! All else is as in the gain-profile and proportional laws: exact sums, one saturation, division toward
-//! zero, dead bands, limits. It is a component of the simulator alone, for a repetition of the thesis's
-//! figures: no firmware has it. After an overshoot the second pushes on in the direction of the error, and the first
-//! leaves the drive to its velocity feedback.
+//! Everything else is as in the gain-profile and proportional laws: exact sums, one saturation, division toward zero,
+//! dead bands, limits. The bug exists in the simulator only, to repeat the thesis's figures. After an overshoot the
+//! second reading pushes on in the direction of the error, and the first leaves the drive to its velocity feedback.
 
 use std::num::NonZeroU32;
 
@@ -107,7 +106,7 @@ impl GainBug {
         Some(GainBug { reading, law: config.law.clone(), drive: config.drive, location: 0 })
     }
 
-    /// What the faulty law makes of a sample: the same with another command, which is null where the
+    /// The faulty law's result for a sample: the same with another command, which is null where the
     /// supervisor lets none through.
     #[must_use]
     pub fn corrupt(&self, mode: Mode, seen: Observation) -> Observation {

@@ -17,13 +17,14 @@ pub use units::unit;
 pub struct Tables {
     /// Key of the list.
     pub path: &'static str,
-    /// What an entry is called.
+    /// The name of an entry.
     pub entry: &'static str,
     /// The same, with the word that follows.
     pub entry_with: &'static str,
-    /// The words of its first field, which chooses among the others, and what each means.
+    /// The words of its first field, which chooses among the others, and their meanings.
     pub words: &'static [(&'static str, &'static str)],
-    /// Every field of an entry, made and read like a key of the file; `models` of a field are the words that have it.
+    /// Every field of an entry, declared and read like a key of the file. `models` of a field are the words that have
+    /// it.
     pub fields: &'static [Key],
 }
 
@@ -43,7 +44,7 @@ impl PartialEq for Tables {
     }
 }
 
-/// What a key takes.
+/// The values that a key accepts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Kind {
     /// A real number within a range, ends included.
@@ -80,7 +81,7 @@ pub enum Kind {
     },
     /// A list of rows of real numbers.
     Rows {
-        /// What each number of a row is.
+        /// The meaning of each number of a row.
         columns: &'static [&'static str],
         /// Most rows.
         max_rows: usize,
@@ -110,18 +111,18 @@ pub enum Preset {
     Integers(&'static [i64]),
     /// Moves.
     Moves(&'static [(f64, i64)]),
-    /// Nothing: what that means, for the help text.
+    /// No value; its meaning, for the help text.
     Absent(&'static str),
 }
 
 /// One key of a rig file.
 #[derive(Clone, Copy, Debug)]
 pub struct Key {
-    /// "table.name", as errors and `--set` have it; the top level has no table.
+    /// "table.name", as in errors and `--set`; the top level has no table.
     pub path: &'static str,
-    /// What it takes.
+    /// The accepted values.
     pub kind: Kind,
-    /// What holds without it.
+    /// The value without it.
     pub preset: Preset,
     /// Models that use it; empty: all.
     pub models: &'static [&'static str],
@@ -129,11 +130,11 @@ pub struct Key {
     pub chosen_by: Option<&'static Key>,
     /// Name in the thesis, or "".
     pub thesis: &'static str,
-    /// What it is.
+    /// Its meaning.
     pub meaning: &'static str,
-    /// Whether `--spread` draws it: a physical value that is never known exactly.
+    /// Whether `--spread` draws it: a physical value that nobody knows exactly.
     pub spread: bool,
-    /// Whether it is known to a factor of two only, before there are data.
+    /// Whether it is known only to a factor of two before there are data.
     pub vague: bool,
 }
 
@@ -166,7 +167,7 @@ impl Key {
 /// A key whose value is a `T`.
 #[derive(Clone, Copy, Debug)]
 pub struct Typed<T> {
-    /// What is known of it.
+    /// The description of the key.
     pub key: Key,
     value: PhantomData<fn() -> T>,
 }
@@ -207,7 +208,7 @@ impl<T> Typed<T> {
         Typed { key: Key { models, ..self.key }, ..self }
     }
 
-    /// The key of some of the models that another key than `model` of the table has.
+    /// The key of some of the models that another key than `model` of the table chooses.
     #[must_use]
     pub(crate) const fn chosen_by<C: Choice>(
         self,
@@ -217,13 +218,13 @@ impl<T> Typed<T> {
         Typed { key: Key { models, chosen_by: Some(&chooser.key), ..self.key }, ..self }
     }
 
-    /// A value that is known to a factor of two only: of friction, leakage and the like.
+    /// A value that is known only to a factor of two: friction, leakage and the like.
     #[must_use]
     pub(crate) const fn vague(self) -> Self {
         Typed { key: Key { vague: true, ..self.key }, ..self }
     }
 
-    /// A physical value that is never known exactly.
+    /// A physical value that nobody knows exactly.
     #[must_use]
     pub(crate) const fn spread(self) -> Self {
         Typed { key: Key { spread: true, ..self.key }, ..self }
@@ -246,7 +247,7 @@ pub(crate) const fn number(
     Typed::new(path, Kind::Number { min, max }, Preset::Number(preset), thesis, meaning)
 }
 
-/// A number that may be absent, and what that means.
+/// A number that may be absent, and the meaning of that.
 pub(crate) const fn optional_number(
     path: &'static str,
     min: f64,
@@ -298,7 +299,7 @@ pub(crate) const fn other<T>(
     Typed::new(path, kind, preset, thesis, meaning)
 }
 
-/// A list of numbers that may be absent, and what that means.
+/// A list of numbers that may be absent, and the meaning of that.
 pub(crate) const fn optional_numbers(
     path: &'static str,
     count: usize,
@@ -309,7 +310,7 @@ pub(crate) const fn optional_numbers(
     Typed::new(path, Kind::Numbers { count }, Preset::Absent(absent), thesis, meaning)
 }
 
-/// Rows of numbers that may be absent, and what that means.
+/// Rows of numbers that may be absent, and the meaning of that.
 pub(crate) const fn optional_rows(
     path: &'static str,
     columns: &'static [&'static str],
@@ -333,7 +334,7 @@ pub trait Choice: Copy + PartialEq + Sized + 'static {
     fn word(self) -> &'static str;
 }
 
-/// Declares a type of which a key takes the words, and the words that are not built.
+/// Declares a type for the words of a key, and the words that are not built.
 macro_rules! words {
     (
         $(#[$about:meta])*

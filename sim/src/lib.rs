@@ -7,20 +7,20 @@
 //! | module | holds |
 //! |---|---|
 //! | [`rig`] | rig files: the table of keys, reading, checking, explaining, the built-in rigs |
-//! | [`component`] | the physical parts, a file each: equations on top, then keys, checks and how it is made |
-//! | [`network`] | the flows that valve, tubes and chambers agree on |
+//! | [`component`] | the physical parts, one file each: equations on top, then keys, checks and construction |
+//! | [`network`] | the flow network of valve, tubes and chambers |
 //! | `number` | one number, or two at once |
-//! | `build` | a rig's keys into its components |
+//! | `build` | components from a rig's keys |
 //! | `assembly` | the parts put together as one event-driven system |
-//! | [`plant`] | what the controller sees: a command in, a sample out |
+//! | [`plant`] | the controller's view: a command in, a sample out |
 //! | [`continuous`] | the controller in real numbers, for comparison |
 //! | [`gain_bug`] | the historical bug of the gain routine, for repetition |
 //! | [`follow`](mod@follow) | the plant under commands that were recorded |
-//! | [`convergence`] | whether a transient is converged, or the error of its integration chose it |
-//! | [`run`](mod@run), [`trace`] | the real controller on the plant, and what came out |
+//! | [`convergence`] | whether a run has converged |
+//! | [`run`](mod@run), [`trace`] | the real controller on the plant, and the transient |
 //!
-//! Everything is SI after loading. Transcendental functions come from `libm`, or from sums and products
-//! alone, so that a run gives the same bits on every machine.
+//! Everything is SI after loading. Transcendental functions come from `libm`, or from sums and products alone, so a
+//! run gives the same bits on every machine.
 
 mod assembly;
 pub mod component;

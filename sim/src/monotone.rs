@@ -1,13 +1,14 @@
-//! A smooth curve through measured points that rises and falls only where they do: cubics by Hermite with the slopes of Fritsch
-//! and Butland (SIAM J. Sci. Stat. Comput. 5(2), 1984), a weighted harmonic mean of the slopes to either side.
+//! A smooth curve through measured points that rises and falls only where they do: Hermite cubics with the slopes of
+//! Fritsch and Butland (SIAM J. Sci. Stat. Comput. 5(2), 1984), a weighted harmonic mean of the slopes to either
+//! side.
 //!
 //! ```text
 //! d_i = (w_1 + w_2) / (w_1/s_(i-1) + w_2/s_i),   w_1 = 2 h_i + h_(i-1),  w_2 = h_i + 2 h_(i-1)      s_(i-1) s_i > 0
 //! d_i = 0                                                                                          else
 //! ```
 //!
-//! At its ends the curve is a parabola, as far as that is monotone; beyond them it holds its last value. Value and slope are
-//! continuous in between.
+//! At its ends the curve is a parabola, as far as that is monotone; beyond them it holds its last value. Value and
+//! slope are continuous in between.
 
 /// A curve through points.
 #[derive(Clone, Debug, PartialEq)]
@@ -78,7 +79,7 @@ fn inner_slope([before, after]: [f64; 2], [up, on]: [f64; 2]) -> f64 {
     (weights[0] + weights[1]) / (weights[0] / up + weights[1] / on)
 }
 
-/// That of the parabola through three points, the end and its perturbed runs, as far as the curve stays monotone.
+/// The end slope of the parabola through the last three points, limited so that the curve stays monotone.
 fn end_slope([near, far]: [f64; 2], [first, second]: [f64; 2]) -> f64 {
     let slope = ((2.0 * near + far) * first - near * second) / (near + far);
     if slope * first <= 0.0 {

@@ -1,8 +1,7 @@
-//! What an equation is computed in: one number, or two at once.
+//! The number type of an equation: one number, or two at once.
 //!
-//! Valve and cylinder have two of everything. An equation that is written for a [`Number`] holds for a
-//! [`Pair`] as well, whose two numbers one instruction adds or multiplies; both come out in the very bits that
-//! each would have alone.
+//! Valve and cylinder have two of everything. An equation for a [`Number`] holds for a [`Pair`] as well. One
+//! instruction adds or multiplies both numbers of a pair, and each gets the bits that it would have alone.
 
 use std::f64::consts::PI;
 use std::ops::{Add, Div, Mul, Neg, Sub};

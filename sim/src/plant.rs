@@ -1,8 +1,8 @@
-//! The plant as a controller sees it: a command in, a sample out.
+//! The plant, as the controller sees it: a command in, a sample out.
 //!
-//! One [`Plant`] serves the simulator, the virtual rig and the emulated board alike, so that
-//! all of them see the same samples in every bit. Time is whole microseconds of the controller's clock; samples are read off
-//! the dense output of the integrator and cost no step.
+//! One [`Plant`] serves the simulator, the virtual rig and the emulated board alike, so all of them see the same
+//! samples in every bit. Time is whole microseconds of the controller's clock. Samples come off the dense output of
+//! the integrator and cost no step.
 
 mod accuracy;
 
@@ -29,20 +29,20 @@ pub struct Plant {
     integrator: Integration,
     sensors: Sensors,
     sensor_faults: SensorFaults,
-    /// The plant's time at sample 0, microseconds: the time that it has run at the null since its initial state.
+    /// The plant's time at sample 0, microseconds: how long it has run at null since its initial state.
     start_us: u64,
     period_us: u64,
     delay_us: u64,
-    /// A second of the controller's clock, s: its own times are those of that clock.
+    /// The length of a second of the controller's clock, s.
     clock: f64,
     /// Delay of the converter from one channel to the next, microseconds.
     channel_skew_us: u64,
     /// Request in force.
     request: Request,
-    /// Request that takes effect at the output of the present sample, until it has; none where it changes nothing.
+    /// Request that takes effect at the output of the present sample; None once it has, or if it changes nothing.
     due: Option<Request>,
-    /// Whether the command changed at the last output: then it will at the next one, as a rule, and
-    /// a step beyond that would be wasted.
+    /// Whether the command changed at the last output. Then it usually changes at the next one, too, and a step
+    /// beyond that would be wasted.
     restless: bool,
     /// Number of the sample taken last.
     k: u64,
@@ -50,20 +50,21 @@ pub struct Plant {
     sample_time: f64,
 }
 
-/// Allowed error of a flow over the tolerance, kg/s: in a step of half a millisecond a sixth of what the mass in a
-/// chamber of 0.9 g may be off. Most flows are found far better, as the last correction squares what is left.
+/// Allowed error of a flow over the tolerance, kg/s. In a step of half a millisecond this amounts to a sixth of the
+/// allowed error of the mass in a chamber of 0.9 g. Most flows are far more exact, because the last correction
+/// squares the error.
 const FLOW: f64 = 0.3;
 
-/// kg/s: flows need not be found more exactly than this before [`FLOW`] asks for it.
+/// kg/s: flows need not be more exact than this until [`FLOW`] demands it.
 const SMALL_FLOW_ERROR: f64 = 3e-10;
 
 /// Allowed error of a flow over a tolerance above 3e-7, kg/s: too little to be seen in a step.
 const FLOW_OF_LOOSE: f64 = 1e-3;
 
-/// s: in longer steps the flows are found as much more exactly.
+/// s: in longer steps the allowed error of the flows is proportionally smaller.
 const SHORT_STEP: f64 = 0.5e-3;
 
-/// At this tolerance and above, what the error of a flow makes of the air in a long step is less than anyone asks for.
+/// At this tolerance and above, the effect of a flow error on the air in a long step is smaller than any requirement.
 const LOOSE: f64 = 1e-9;
 
 /// Allowed error of a flow at a tolerance, kg/s. Behind tubes that lag it acts on pressures at once.
@@ -72,7 +73,7 @@ fn flow_error(tolerance: f64, lags: bool) -> f64 {
     (FLOW * tolerance).min(loose.max(SMALL_FLOW_ERROR))
 }
 
-/// What can be measured at one instant, SI.
+/// The measurable quantities at one instant, SI.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Snapshot {
     /// Position, m.
@@ -89,8 +90,8 @@ pub struct Snapshot {
     pub spool: f64,
     /// Spool position demanded by the command in force, m.
     pub spool_command: f64,
-    /// Mass flows into the chambers through their ports, kg/s: the slopes of the masses of the air inside, less
-    /// what leaks.
+    /// Mass flows into the chambers through their ports, kg/s: the slopes of the masses of the air inside, less the
+    /// leakage.
     pub mass_flows: [f64; 2],
     /// Force of the cylinder, N.
     pub actuator_force: f64,
@@ -98,7 +99,7 @@ pub struct Snapshot {
     pub friction: f64,
 }
 
-/// What a run has cost.
+/// The work of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct PlantWork {
     /// The integrator's part.
@@ -145,8 +146,8 @@ impl Plant {
         self
     }
 
-    /// What the sensors are given at the present sample: position and first pressure at its instant, the second pressure
-    /// and the spool one and two channel skews later.
+    /// The inputs of the sensors at the present sample: position and first pressure at its instant, the second
+    /// pressure and the spool one and two channel skews later.
     ///
     /// # Errors
     /// When the integration fails before the last channel.
@@ -159,7 +160,7 @@ impl Plant {
         }
     }
 
-    /// The same where the plant has run before its first sample, or the converter reads the channels in turn.
+    /// The same if the plant has run before its first sample, or if the converter reads the channels in turn.
     #[cold]
     #[inline(never)]
     fn read_in_turn(&mut self) -> Result<Reading, IntegrationError> {
@@ -201,7 +202,7 @@ impl Plant {
         Ok(self.sample_of(&reading))
     }
 
-    /// What the sensors make of a reading at the present sample instant.
+    /// The sensor values for a reading at the present sample instant.
     #[inline]
     pub fn sample_of(&mut self, reading: &Reading) -> Sample {
         let mut sample = self.sensors.read(reading.position, reading.pressures, reading.spool);
@@ -219,7 +220,7 @@ impl Plant {
         self.sample()
     }
 
-    /// Has `command` take effect at the output of the present sample.
+    /// Lets `command` take effect at the output of the present sample.
     #[inline]
     pub fn command(&mut self, command: Command) {
         let request = Request { counts: command.counts, step: command.step };
@@ -227,8 +228,7 @@ impl Plant {
         self.restless &= self.due.is_some();
     }
 
-    /// From the present sample on the supply has another pressure, Pa absolute; within the range of
-    /// `supply.pressure_pa`.
+    /// Changes the supply pressure from the present sample on, Pa absolute; within the range of `supply.pressure_pa`.
     pub fn set_supply_pressure(&mut self, pressure: f64) {
         let at = self.sample_time;
         let set =
@@ -236,7 +236,7 @@ impl Plant {
         self.integrator.interrupt(&mut self.assembly, at, set);
     }
 
-    /// The target of a continuous controller changes at the present sample, in counts.
+    /// Changes the target of a continuous controller at the present sample, counts.
     pub fn set_target(&mut self, target: i32) {
         let at = self.sample_time;
         self.integrator.interrupt(&mut self.assembly, at, |assembly, x| assembly.set_target(at, x, target));
@@ -261,8 +261,8 @@ impl Plant {
         Ok(())
     }
 
-    /// What can be measured at `t`, from the present sample on to the next. Once the command is known looking changes
-    /// nothing: the steps are the same without it.
+    /// The measurable quantities at `t`, from the present sample on to the next. Once the command is known, looking
+    /// changes nothing: the steps are the same without it.
     ///
     /// # Errors
     /// When the integration fails.
@@ -272,7 +272,7 @@ impl Plant {
         Ok(self.snapshot(t))
     }
 
-    /// The same of no more than position (m), velocity (m/s) and pressures (Pa).
+    /// Only position (m), velocity (m/s) and pressures (Pa) at `t`.
     ///
     /// # Errors
     /// When the integration fails.
@@ -285,8 +285,8 @@ impl Plant {
         Ok((x[slot::POSITION], x[slot::VELOCITY], pressures))
     }
 
-    /// To `t`, by way of the present sample's output if that is due. How far a step may reach beyond
-    /// depends on the outputs alone, not on where the caller stops.
+    /// Integrates to `t`, through the present sample's output if that is due. Only the outputs limit how far a step
+    /// may reach beyond, not the place where the caller stops.
     #[inline]
     fn run_to(&mut self, t: f64) -> Result<(), IntegrationError> {
         if self.due.is_none() && self.integrator.has_passed(t) { Ok(()) } else { self.run_on_to(t) }
@@ -347,8 +347,8 @@ impl Plant {
         self.assembly.valve_state(t, x)
     }
 
-    /// The mass flows of [`Plant::look`] by the network's equations, kg/s. For tests: those of a row are the slopes
-    /// of the masses.
+    /// The mass flows of [`Plant::look`] by the network's equations, kg/s. For tests: a row has the slopes of the
+    /// masses.
     #[doc(hidden)]
     pub fn solved_flows(&mut self, t: f64) -> [f64; 2] {
         let t = self.plant_time(t);
@@ -358,7 +358,7 @@ impl Plant {
     }
 
     /// One evaluation of the right-hand side in the state of the present sample, `later` seconds after it: the
-    /// acceleration of the load, m/s^2. For benchmarks; what it finds of the flows stays.
+    /// acceleration of the load, m/s^2. For benchmarks; the network keeps the flows that it finds.
     #[doc(hidden)]
     pub fn evaluate(&mut self, later: f64) -> f64 {
         let t = self.sample_time;
@@ -375,12 +375,12 @@ impl Plant {
         self.clock * seconds(self.start_us + after_start_us)
     }
 
-    /// The plant's time `t` seconds after sample 0; to a whole microsecond where the two clocks differ.
+    /// The plant's time `t` seconds after sample 0; rounded to a whole microsecond if the two clocks differ.
     fn plant_time(&self, t: f64) -> f64 {
         if self.start_us == 0 { self.clock * t } else { self.time_of((1e6 * t).round() as u64) }
     }
 
-    /// What the run has cost so far.
+    /// The work of the run so far.
     #[must_use]
     pub fn work(&self) -> PlantWork {
         PlantWork { integrator: self.integrator.statistics(), network: self.assembly.parts.network.work }

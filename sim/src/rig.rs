@@ -1,8 +1,8 @@
 //! Rig files: one drive and one test, in TOML.
 //!
-//! The components list their keys. [`Rig::read`] takes a file apart by these lists and names file, line and
-//! key of everything that is wrong; a [`Rig`] that exists is valid: every value in its range, no
-//! division by zero, nothing unphysical, nothing that is not built. It hands out values in the unit of their key.
+//! The components list their keys. [`Rig::read`] reads a file by these lists and reports every problem with file,
+//! line and key. A [`Rig`] that exists is valid: every value is in its range, there is no division by zero, nothing
+//! unphysical, and nothing that is not built. It returns values in the unit of their key.
 
 mod builtin;
 mod change;

@@ -10,26 +10,26 @@ use crate::trace::{MotionRow, Row};
 use crate::values::{Rig, seconds, whole_microseconds};
 use pneudrive_solver::IntegrationError;
 
-/// What came out of a run, with rows of some kind.
+/// The result of a run, with rows of some kind.
 #[derive(Clone, Debug)]
 pub struct Run<R = Row> {
     /// The transient.
     pub rows: Vec<R>,
-    /// What the controller made of each sample: the integers that every execution level must repeat.
+    /// The controller's result for each sample: the integers that every execution level must repeat.
     pub observations: Vec<Observation>,
-    /// What the sensors were given at each sample.
+    /// The inputs of the sensors at each sample.
     pub readings: Vec<Reading>,
-    /// What was driven from each sample's output on.
+    /// The command from each sample's output on.
     pub commands: Vec<Command>,
-    /// The fault that ended the control, if one did, and the sample at which it tripped.
+    /// The fault that ended the control, if any, and the sample at which it tripped.
     pub fault: Option<(Fault, u32)>,
-    /// What it has cost.
+    /// The work of the run.
     pub work: PlantWork,
 }
 
 impl Run {
-    /// A hash (FNV-1a, words of 64 bits) over every bit of the rows, the readings and the commands. Two runs with the same
-    /// hash are the same run, whichever program and processor made them.
+    /// A hash (FNV-1a, words of 64 bits) over every bit of the rows, the readings and the commands. Two runs with the
+    /// same hash are the same run, whatever the program and the processor.
     #[must_use]
     pub fn bits(&self) -> u64 {
         let rows = self.rows.iter().flat_map(|row| row.values().map(f64::to_bits));
@@ -43,16 +43,16 @@ impl Run {
     }
 }
 
-/// What rows hold besides what every trace has. It does not change the run.
+/// Additional contents of the rows. They do not change the run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Recording {
     /// The air inside the valve.
     pub valve: bool,
 }
 
-/// What a run keeps of each instant of its trace. It does not change the run.
+/// The row type of a run. It does not change the run.
 pub trait Record: Sized {
-    /// What there is at `time` (s), while the controller goes by what it saw last.
+    /// The row at `time` (s), while the controller acts on its last sample.
     ///
     /// # Errors
     /// When the integration fails.
@@ -114,8 +114,8 @@ pub fn run_recorded(
     Ok(runner.run)
 }
 
-/// Runs of one rig, one after another, with rows of some kind. Its keys are read and its plant is built once, and a run
-/// lies in the memory of the one before.
+/// Runs of one rig, one after another, with rows of some kind. The rig's keys are read and its plant is built once,
+/// and each run reuses the memory of the one before.
 #[derive(Clone, Debug)]
 pub struct Runner<R = Row> {
     /// The drive at the start of the test.
@@ -135,7 +135,7 @@ impl<R: Record> Runner<R> {
         Runner::in_memory_of(Run::new(), rig, accuracy, Recording::default())
     }
 
-    /// The next runs are of another rig.
+    /// Prepares for runs of another rig.
     pub fn take(&mut self, rig: &Rig, accuracy: Accuracy) {
         let run = std::mem::replace(&mut self.run, Run::new());
         *self = Runner::in_memory_of(run, rig, accuracy, self.recording);
@@ -192,7 +192,7 @@ impl<R: Record> Runner<R> {
 }
 
 impl<R> Run<R> {
-    /// Nothing has been run.
+    /// The state before the first run.
     fn new() -> Run<R> {
         Run {
             rows: Vec::new(),
@@ -204,7 +204,7 @@ impl<R> Run<R> {
         }
     }
 
-    /// Room for the rows and samples of another run.
+    /// Reserves room for the rows and samples of another run.
     fn make_room(&mut self, rows: usize, samples: usize) {
         self.clear();
         self.rows.reserve_exact(rows);
@@ -213,7 +213,7 @@ impl<R> Run<R> {
         self.commands.reserve_exact(samples);
     }
 
-    /// Nothing is left of it but its memory.
+    /// Drops everything but the memory.
     fn clear(&mut self) {
         self.rows.clear();
         self.observations.clear();
@@ -231,7 +231,7 @@ struct Drive {
     state: State,
     plant: Plant,
     bug: Option<GainBug>,
-    /// What is recorded of a sample where it is not what the controller has seen.
+    /// The record of a sample if it differs from the controller's observation.
     seen: Option<Observation>,
     /// The present target of a continuous controller.
     target: Option<i32>,
@@ -252,7 +252,7 @@ impl Drive {
         Drive { config, sequence, state, plant, bug, seen: None, target: None, fault: None }
     }
 
-    /// What is recorded of the present sample.
+    /// The record of the present sample.
     #[inline]
     fn seen(&self) -> &Observation {
         seen(&self.seen, &self.state)
@@ -264,7 +264,7 @@ impl Drive {
         (seen(&self.seen, &self.state), &mut self.plant)
     }
 
-    /// Runs the controller on a sample: its command.
+    /// Runs the controller on a sample and returns its command.
     #[inline]
     fn control(&mut self, reading: &Reading) -> Command {
         let taken = self.plant.sample_of(reading);
@@ -277,7 +277,7 @@ impl Drive {
         command
     }
 
-    /// What is recorded of a continuous controller, and of one with the historical bug.
+    /// The record of a continuous controller, and of one with the historical bug.
     #[inline]
     fn seen_otherwise(&mut self) -> Option<Observation> {
         let (mode, setpoint) = (self.state.supervisor.mode(), self.state.observation().setpoint);
@@ -304,8 +304,8 @@ impl Drive {
         command
     }
 
-    /// Gives a continuous controller its target where it changes, and tells its command, rounded to counts;
-    /// None for a sampled one.
+    /// Gives a continuous controller its target when it changes, and returns its command, rounded to counts; None for
+    /// a sampled one.
     #[inline]
     fn continuous(&mut self, setpoint: i32) -> Option<i16> {
         self.plant.continuous_command()?;
@@ -317,13 +317,13 @@ impl Drive {
     }
 }
 
-/// What is recorded of a sample: something else, or what the controller has seen.
+/// The record of a sample: another observation, or the controller's.
 #[inline]
 fn seen<'a>(otherwise: &'a Option<Observation>, state: &'a State) -> &'a Observation {
     otherwise.as_ref().unwrap_or(state.observation())
 }
 
-/// Room for entries 0 to `last`, as far as it is wise to take it beforehand.
+/// Room for entries 0 to `last`, as far as it is wise to reserve it beforehand.
 fn room_for(last: u64) -> usize {
     last.min(1 << 14) as usize + 1
 }

@@ -1,4 +1,4 @@
-//! When a rig's test does what: its clock and its moves.
+//! The schedule of a rig's test: its clock and its moves.
 
 use std::num::NonZeroU32;
 
@@ -51,8 +51,8 @@ impl Rig {
         period.and_then(NonZeroU32::new).expect("checked to be 100 us at least")
     }
 
-    /// The moves without their profiles: [time in s, counts]. Targets that wait for the end of the one before have no
-    /// times of their own.
+    /// The moves without their profiles: [time in s, counts]. Targets that wait for the end of the move before have
+    /// no times of their own.
     #[must_use]
     pub fn moves(&self) -> Vec<(f64, i64)> {
         self.planned().into_iter().map(|one| (one.time_s, one.target)).collect()
@@ -65,7 +65,7 @@ impl Rig {
         u32::try_from(self.microseconds(&keys::DURATION_S) / period).unwrap_or(u32::MAX)
     }
 
-    /// The test as the controller takes it.
+    /// The test in the form of the controller.
     #[must_use]
     pub fn sequence(&self) -> Sequence {
         let mut sequence = Sequence::new(self.last_sample());
@@ -84,10 +84,10 @@ impl Rig {
     }
 }
 
-/// Rows of a trace, which are kept in memory, 160 bytes each.
+/// Most rows of a trace, which are kept in memory, 160 bytes each.
 const MAX_ROWS: f64 = 1e7;
 
-/// What a test must hold by itself and with its controller.
+/// The constraints on a test by itself and with its controller.
 pub(crate) fn check(rig: &Rig, findings: &mut Findings) {
     check_clock(rig, findings);
     check::check(rig, findings);

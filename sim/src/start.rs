@@ -33,7 +33,7 @@ fn equilibrium_pressure_1(rig: &Rig) -> f64 {
     Actuator::of(rig).balancing_pressure_1(rig.get(&test::PRESSURE_2_PA), -standing)
 }
 
-/// What the start of a test must hold.
+/// The constraints on the start of a test.
 pub(crate) fn check(rig: &Rig, findings: &mut Findings) {
     let why = "the test starts within the stroke";
     findings.not_above(rig, &test::POSITION_M, &actuator::keys::STROKE_M, why);
@@ -56,7 +56,7 @@ pub(crate) fn check(rig: &Rig, findings: &mut Findings) {
     }
 }
 
-/// The key of what pulls most, and what to do, if no pressures between those of exhaust and supply can hold the load.
+/// If no pressures between exhaust and supply can hold the load: the key of the largest force, and the remedy.
 fn beyond_the_supply(rig: &Rig) -> Option<(&'static Key, String)> {
     let (load, position) = (Load::of(rig), rig.get(&test::POSITION_M));
     let standing = load.standing_force(position);
@@ -74,7 +74,7 @@ fn beyond_the_supply(rig: &Rig) -> Option<(&'static Key, String)> {
     Some((pulls_most(&load, position), message))
 }
 
-/// The key of the force that does most of what pulls at a load that stands.
+/// The key of the largest of the forces on a load at rest.
 fn pulls_most(load: &Load, position: f64) -> &'static Key {
     let parts: [(&'static Key, f64); 3] = [
         (&load::keys::MASS_KG, -load.weight()),

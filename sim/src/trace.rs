@@ -1,4 +1,4 @@
-//! The transient of a run: rows of trace.csv, exactly as DESIGN section 3 has them.
+//! The transient of a run: rows of trace.csv, exactly as in DESIGN section 3.
 
 use std::fmt::Write;
 
@@ -29,7 +29,7 @@ pub const COLUMNS: [&str; 18] = [
     "friction_n",
 ];
 
-/// One row: what the controller saw and converged last, and the plant at the row's time.
+/// One row: the controller's last observation, and the plant at the row's time.
 #[derive(Clone, Copy, Debug)]
 pub struct Row {
     /// s.
@@ -42,7 +42,7 @@ pub struct Row {
     pub valve: Option<ValveState>,
 }
 
-/// A row of no more than how the load moves and what moves it: a third of the work of a [`Row`].
+/// A row with only the motion of the load and the pressures: a third of the work of a [`Row`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MotionRow {
     /// s.
@@ -55,12 +55,12 @@ pub struct MotionRow {
     pub pressures: [f64; 2],
 }
 
-/// A column that a trace may have behind [`COLUMNS`].
+/// A column that may follow [`COLUMNS`] in a trace.
 #[derive(Clone, Copy, Debug)]
 pub struct Extra {
     /// Its name, with its unit at the end.
     pub name: &'static str,
-    /// What it is.
+    /// Its meaning.
     pub help: &'static str,
     of: fn(&ValveState) -> f64,
 }
@@ -130,7 +130,7 @@ impl Row {
     }
 }
 
-/// trace.csv: header, then a line a row.
+/// trace.csv: a header, then one line per row.
 #[must_use]
 pub fn to_csv(rows: &[Row]) -> String {
     to_csv_with(rows, &[])
@@ -162,7 +162,7 @@ const DIGITS: usize = 12;
 /// Below this the exponent is written, not the zeros.
 const SMALLEST_EXPONENT: i32 = -4;
 
-/// Appends a number with twelve significant digits, without zeros that say nothing.
+/// Appends a number with twelve significant digits, without redundant zeros.
 pub fn push_number(text: &mut String, value: f64) {
     const WHOLE: f64 = 1e9;
     if value.abs() < WHOLE && value == value.trunc() {
@@ -182,7 +182,7 @@ pub fn push_number(text: &mut String, value: f64) {
     }
 }
 
-/// Moves the point of the number that begins at `begin`, behind whose first digit it is, by `exponent` places.
+/// Moves the decimal point of the number that begins at `begin` from behind its first digit by `exponent` places.
 fn place_point(text: &mut String, begin: usize, exponent: i32) {
     let first = begin + usize::from(text[begin..].starts_with('-'));
     if text[first..].len() > 1 {

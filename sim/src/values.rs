@@ -1,6 +1,6 @@
-//! The values of a rig: what every key of one drive and one test has.
+//! The values of a rig: one drive and one test.
 //!
-//! [`Rig`] is made by [`crate::rig`] and read by the components. A rig that exists is valid.
+//! [`crate::rig`] makes a [`Rig`], and the components read it. A rig that exists is valid.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -32,7 +32,7 @@ pub enum Value {
     Events(Vec<Fields>),
 }
 
-/// A type that keys hand out.
+/// A type of a key's value.
 pub trait FromValue: Sized {
     /// The value in this type; None if it is of another type.
     fn from_value(value: Option<&Value>) -> Option<Self>;
@@ -69,16 +69,16 @@ from_value! {
     Vec<Fields>: Events(events) => events.clone();
 }
 
-/// How the value of a key came about.
+/// The origin of a key's value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Source {
-    /// The file does not have the key: the value is that of servo-drive B.
+    /// The file does not have the key; the value is that of servo-drive B.
     Default,
     /// The file has it, from a data sheet or a measurement.
     Given,
     /// Computed from other figures.
     Computed,
-    /// What parts of this kind usually have.
+    /// The usual value for parts of this kind.
     Typical,
     /// A guess: the value lies somewhere in its range.
     Unknown,
@@ -98,14 +98,14 @@ impl Source {
     }
 }
 
-/// Where the value of a key comes from.
+/// The origin of a key's value, with its range and source.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Origin {
     /// How it came about.
     pub source: Source,
-    /// The ends between which it lies, in the unit of the key, if the file says them.
+    /// The range of the value, in the unit of the key, if the file states it.
     pub range: Option<[f64; 2]>,
-    /// The formula, the publication or the test that finds it; empty where the file says nothing.
+    /// The formula, the publication or the test that finds it; empty if the file states none.
     pub from: String,
 }
 
@@ -121,7 +121,7 @@ pub struct Rig {
     pub(crate) values: BTreeMap<&'static str, Value>,
     /// Keys that the file or the command line has set.
     pub(crate) set: BTreeSet<&'static str>,
-    /// What the file says of where values come from.
+    /// The origins of values, as the file states them.
     pub(crate) origins: BTreeMap<&'static str, Origin>,
 }
 
@@ -209,7 +209,7 @@ pub(crate) fn whole_microseconds(seconds: f64) -> Option<u64> {
     (us >= 0.0 && (seconds * 1e6 - us).abs() < 1e-3).then_some(us as u64)
 }
 
-/// What is wrong with the values of a rig, each at a key.
+/// The problems of a rig's values, each at a key.
 #[derive(Debug, Default)]
 pub struct Findings(pub Vec<(&'static str, String)>);
 

@@ -1,4 +1,4 @@
-//! The component tests of the thesis (7.1), and that of data sheets, on the components of a rig: what a bench would measure.
+//! The component tests of the thesis (7.1), and one of data sheets, on the components of a rig, as on a bench.
 //!
 //! | curve | thesis | shows |
 //! |---|---|---|
@@ -15,8 +15,8 @@
 //! | [`flow_force`] | 6.4.4 | force of the flow on the spool |
 //! | [`friction`] | 7.1.3.1, Fig. 7.10 and 7.11, Tab. 7.2 | the load as the supply rises slowly |
 //! | [`drift`] | 8.4 | the error at rest over hours, as the valve's null moves |
-//! | [`leakage`] | 8.3.3, Fig. 8.8 | what passes the piston |
-//! | [`timer`] | 7.1.5, Fig. 7.13 | which sample periods the drive can have |
+//! | [`leakage`] | 8.3.3, Fig. 8.8 | the flow past the piston |
+//! | [`timer`] | 7.1.5, Fig. 7.13 | the sample periods that the drive can have |
 //!
 //! There is no second model: [`bench`] uses the same parts as a run.
 
@@ -45,7 +45,7 @@ pub use points::SUPPLY_FAMILY_PA;
 
 /// A curve that can be requested.
 pub struct Curve {
-    /// What a user types.
+    /// Its name for the user.
     pub name: &'static str,
     /// One line about it, with its place in the thesis.
     pub about: &'static str,
@@ -87,10 +87,10 @@ pub enum Unfit {
     Integration(#[from] IntegrationError),
 }
 
-/// What a bench test gives: graphs over one axis, and figures.
+/// The result of a bench test: graphs over one axis, and figures.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Characteristic {
-    /// What was done.
+    /// The description of the test.
     pub notes: Vec<String>,
     /// Name and unit of the axis across.
     pub across: &'static str,
@@ -114,15 +114,15 @@ pub struct Graph {
 /// A figure read off a curve.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figure {
-    /// What it is.
+    /// Its name.
     pub name: String,
-    /// What it comes to.
+    /// Its value.
     pub reading: Reading,
     /// Its unit, or "".
     pub unit: &'static str,
 }
 
-/// What a figure comes to, and how well it is known.
+/// The value of a figure, and its uncertainty.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Reading {
     /// The model's equations give it: four digits of it are worth showing.

@@ -1,7 +1,6 @@
-//! The air of a drive in a state: the content of its chambers, the flows into them, and the energy that they carry.
+//! The air of a drive in a state: the contents of its chambers, the flows into them, and their energy.
 //!
-//! Ports are on the valve's side and chambers on the cylinder's; tubes that are swapped join each port to the
-//! other chamber.
+//! Ports are on the valve's side, chambers on the cylinder's. Swapped tubes join each port to the other chamber.
 
 use super::{Assembly, StateVector, slot};
 use crate::component::air::{Air, Station};
@@ -47,7 +46,8 @@ impl Assembly {
         }
     }
 
-    /// The same where the answer decides about an event: what the followed solution does not give is searched for.
+    /// The same if the answer decides about an event: if following the last solution fails, the flows are searched
+    /// for.
     pub(super) fn nodes_found(&mut self, t: f64, x: &StateVector) -> Nodes {
         let nodes = self.nodes(t, x);
         if nodes.are_finite() {
@@ -76,7 +76,7 @@ impl Assembly {
         nodes
     }
 
-    /// Gives the network what the valve's map says of the present place of its spool.
+    /// Updates the network from the valve's map at the present position of its spool.
     #[inline(never)]
     fn follow_map(&mut self, t: f64, x: &StateVector) {
         let spool = self.spool_to_lands(t, x);
@@ -133,8 +133,8 @@ impl Assembly {
         masses - leaks - holes
     }
 
-    /// The temperatures that the air in the tubes carries into or out of the chambers: that of the air from
-    /// the valve when charging (the tube is adiabatic, EQUATIONS section 3), else the chamber's.
+    /// The temperatures of the air in the tubes into or out of the chambers. While charging it is the temperature of
+    /// the air from the valve (the tube is adiabatic, EQUATIONS section 3), else the chamber's.
     #[inline(always)]
     pub(super) fn carried(&self, nodes: &Nodes, air: &Air<Pair>) -> Pair {
         let charging = PortFlow::charging(&self.ports.directions);

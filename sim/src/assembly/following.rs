@@ -1,8 +1,8 @@
 //! How the drive follows the continuous controller, whose command is a function of the state.
 //!
-//! The demand jumps where its target, the entry of its profile, or the load's acceleration does; its
-//! rate does as well where the load meets a stop. An operator that remembers the way that its command
-//! took is told of these jumps (EQUATIONS section 11 rules 3 and 8).
+//! The demand jumps when its target, the entry of its profile, or the load's acceleration does. Its rate also jumps
+//! when the load meets a stop. An operator that remembers the path of its command is informed of these jumps
+//! (EQUATIONS section 11 rules 3 and 8).
 
 use super::layout::spool_state;
 use super::{Assembly, StateVector, slot};

@@ -7,18 +7,18 @@
 //!
 //! The network does not contain them; the pressures behind them are states.
 //!
-//! One part of the supply tube cannot lag. Behind a land wider than its port the speed of the air gives pressure
-//! back at once (6.54), so that with a given pressure in front of it the flow near rest has no unique value, and
-//! with a lag however short it would jump to and fro. As much of the drop follows the flow at once as outweighs
-//! that:
+//! One part of the supply tube cannot lag. Behind a land wider than its port, the speed of the air recovers pressure
+//! at once (6.54). So for a given pressure in front of it the flow near rest has no unique value, and it would jump
+//! to and fro with any lag, however short. Therefore enough of the drop follows the flow at once to outweigh the
+//! recovery:
 //!
 //! ```text
 //! P_sv = P_s ratio^(1-a) settled^a,   a = 1.5 G (1 - (A_p/(C_d A))^2),   0 where C_d A <= A_p
 //! ```
 //!
-//! G is what the speed of the leakage gives back behind an infinitely wide land over what the tube loses, both as
-//! slopes over the flow; larger flows are limited by their port more than their speed helps them. As the lag goes to
-//! zero, P_sv goes to what the tube without lag has.
+//! G is the pressure that the speed of the leakage recovers behind an infinitely wide land, over the pressure that
+//! the tube loses, both as slopes over the flow. Larger flows are limited by their port more than their speed helps
+//! them. As the lag goes to zero, P_sv goes to the value for a tube without lag.
 
 use super::{StateVector, slot};
 use crate::component::air::Station;
@@ -30,7 +30,7 @@ use crate::keys;
 use crate::number::{Number, Pair};
 use crate::values::Rig;
 
-/// The lag, and what the ratios will come to.
+/// The lag, and the settled ratios.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Lag {
     /// s.

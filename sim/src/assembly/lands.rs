@@ -1,7 +1,7 @@
-//! Which lands of the valve are open.
+//! The open lands of the valve.
 //!
-//! Within the last micrometres before its edge a land's area bends sharply, and at the edge it breaks off:
-//! a spool that passes an edge is an event.
+//! Within the last micrometres before its edge a land's area bends sharply, and at the edge it has a kink. So a spool
+//! that passes an edge is an event.
 
 use crate::component::operator::{Limit, Met, Quantity};
 use crate::component::valve::Valve;

@@ -1,4 +1,4 @@
-//! The index of each state and each guard of the assembly: one list, from which all indices follow.
+//! The index of each state and each guard of the assembly: one list gives all indices.
 
 use crate::component::friction::{self, Friction, States};
 use crate::component::operator::{self, SpoolState};

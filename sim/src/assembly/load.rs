@@ -1,4 +1,4 @@
-//! The load of a drive in a state: the forces on it, how it moves, and its modes.
+//! The load of a drive in a state: its forces, its motion, and its modes.
 
 use super::layout::{friction_states, guard};
 use super::{Assembly, Parts, StateVector, slot};
@@ -16,7 +16,7 @@ pub(crate) struct Effects {
 }
 
 impl Parts {
-    /// What the load does where a test begins in the state `x`, and the states of its friction.
+    /// The mode of the load at the start of a test in the state `x`, and the states of its friction.
     pub fn friction_at_rest(&self, x: &StateVector) -> (Contact, States) {
         let position = x[slot::POSITION];
         let [p1, p2] = slot::EXNER.map(|i| self.gas.pressure(x[i]));

@@ -2,7 +2,7 @@
 //!
 //! The events of such a spool (stick and slip, stops, the edges of the lands) depend on time alone. They are located
 //! before a step is made, and the step ends on them. A spool under a flow force, in a stop or under a command that
-//! moves all the time has no closed form: its guards are evaluated in every step instead (`System::guards`).
+//! moves all the time has no closed form; its guards are evaluated in every step (`System::guards`).
 
 use super::layout::{SPOOL_GUARDS, guard, spool_state};
 use super::{Assembly, StateVector};

@@ -1,9 +1,8 @@
 //! The direction of the flow in each port.
 //!
-//! A reversal is an event. Where a flow comes to rest its sign is rounding, and would turn about at every
-//! step: a port that turns twice within [`MOMENT`] rests, and keeps its direction until a flow of
-//! [`RESTING_FLOW`] goes against it. The direction affects only the temperature, and so little air carries negligible
-//! energy.
+//! A reversal is an event. The sign of a flow at rest is rounding and would change at every step. So a port that
+//! reverses twice within [`MOMENT`] rests: it keeps its direction until a flow of [`RESTING_FLOW`] goes against it.
+//! The direction affects only the temperature, and so little air carries negligible energy.
 
 use crate::network::{Nodes, PortFlow};
 use crate::number::Number;
@@ -11,7 +10,7 @@ use crate::number::Number;
 /// s.
 const MOMENT: f64 = 1e-6;
 
-/// kg/s: three times what a flow of a run may be off at most.
+/// kg/s: three times the largest error of a flow in a run.
 const RESTING_FLOW: f64 = 1e-9;
 
 /// The directions in both ports, valve's side.

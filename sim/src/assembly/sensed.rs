@@ -4,13 +4,13 @@
 //! P_s' = (P - P_s) / lag,   P_s = P at the start
 //! ```
 //!
-//! P is the pressure in the chamber, and P_s what the converter is given. Without a lag P_s is P, and its states rest.
+//! P is the pressure in the chamber, and P_s the input of the converter. Without a lag P_s is P, and its states rest.
 
 use super::{Assembly, StateVector, slot};
 use crate::number::Pair;
 
 impl Assembly {
-    /// What the sensors make of the pressures in a state, Pa.
+    /// The readings of the sensors for the pressures in a state, Pa.
     #[inline]
     pub fn sensed_pressures(&self, x: &StateVector) -> [f64; 2] {
         match self.parts.sensor_lag {

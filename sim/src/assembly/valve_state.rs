@@ -1,4 +1,4 @@
-//! The air inside the valve: no sensor of a drive shows it, but the graphs of thesis 7.2.1 (c) do.
+//! The air inside the valve. No sensor of a drive shows it, but the graphs of thesis 7.2.1 (c) do.
 
 use super::{Assembly, StateVector};
 use crate::network::Nodes;

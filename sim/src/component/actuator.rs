@@ -9,9 +9,9 @@
 //! F_a = P_1 A_1 - P_2 A_2 - P_e A_R2                                     (6.25)
 //! ```
 //!
-//! The states are the mass m and the Exner pressure w = P^((n-1)/n): an integrator conserves the
-//! mass exactly, and a chamber with shut ports keeps w V^(n-1). The thesis's temperature equations
-//! 6.16 and 6.18 follow from these two; as printed they lose mass with leakage (EQUATIONS section 5).
+//! The states are the mass m and the Exner pressure w = P^((n-1)/n). An integrator conserves the mass exactly, and a
+//! chamber with shut ports keeps w V^(n-1). The thesis's temperature equations 6.16 and 6.18 follow from these two;
+//! as printed they lose mass with leakage (EQUATIONS section 5).
 
 pub mod leakage;
 pub(crate) mod walls;
@@ -68,7 +68,7 @@ impl Actuator {
     }
 }
 
-/// What the cylinder's dimensions must hold.
+/// The constraints on the cylinder's dimensions.
 pub(crate) fn check(rig: &Rig, findings: &mut Findings) {
     let why = "the rod must leave an area for the air to push on";
     findings.below(rig, &keys::ROD_DIAMETER_M, &keys::BORE_M, why);
@@ -89,7 +89,7 @@ pub struct Actuator {
     pub residual_volumes: [f64; 2],
     /// P_e, Pa.
     pub ambient_pressure: f64,
-    /// What passes the piston.
+    /// The leakage past the piston.
     pub leakage: Leakage,
     /// With which the air exchanges heat; None where the chambers are adiabatic.
     pub walls: Option<Walls>,

@@ -33,7 +33,7 @@ impl Station<Pair> {
     }
 }
 
-/// A chamber's volume and how fast it grows, or those of both chambers.
+/// A chamber's volume and its rate of change, or those of both chambers.
 #[derive(Clone, Copy, Debug)]
 pub struct Volume<N = f64> {
     /// m^3.
@@ -90,7 +90,7 @@ impl<N: Number> Air<N> {
 }
 
 impl Air<Pair> {
-    /// That of chamber `i`.
+    /// The air of chamber `i`.
     #[inline(always)]
     pub(crate) fn lane(&self, i: usize) -> Air {
         Air {

@@ -32,7 +32,7 @@ impl Dither {
 /// A sinusoid over time.
 #[derive(Clone, Copy, Debug)]
 pub struct Dither {
-    /// a, in the unit of what it is added to.
+    /// a, in the unit of the quantity that it is added to.
     pub amplitude: f64,
     /// f, Hz.
     pub frequency_hz: f64,

@@ -1,4 +1,4 @@
-//! The encoder: what the controller reads of the position.
+//! The encoder: the controller's reading of the position.
 //!
 //! ```text
 //! quadrature      count = floor(x / pulse + 1e-9)
@@ -8,10 +8,10 @@
 //! x' = x + range linearity sin(2 pi clamp((x - zero) / range, 0, 1))
 //! ```
 //!
-//! as in DESIGN section 4; the noise, in counts, is normal. Linearity is the largest deviation from the straight line
-//! through both ends, as data sheets give it; which curve it is they do not say, and a whole sine is an assumption. A
-//! quadrature encoder counts from the retracted end, as if the axis had been homed; the other two are absolute: the
-//! controller adds the position of their count 0.
+//! as in DESIGN section 4. The noise, in counts, is normal. Linearity is the largest deviation from the straight line
+//! through both ends, as in data sheets. They do not state the curve; a whole sine is an assumption. A quadrature
+//! encoder counts from the retracted end, as if the axis had been homed. The other two are absolute: the controller
+//! adds the position of their count 0.
 
 use std::f64::consts::{PI, TAU};
 
@@ -30,10 +30,10 @@ pub const MAX_BITS: i64 = 30;
 /// The longest count that the controller's picometres hold, mm.
 const LONGEST_COUNT_MM: f64 = 2.0;
 
-/// The stream of an encoder's noise: that of the other sensors is the generator's first.
+/// The random stream of an encoder's noise. The other sensors use the generator's first one.
 const STREAM: u64 = 1;
 
-/// So many standard deviations are never seen.
+/// The noise never exceeds this many standard deviations.
 const NEVER: f64 = 10.0;
 
 keys! {
@@ -125,7 +125,7 @@ fn largest_count(rig: &Rig) -> f64 {
     f64::from((1u32 << bits(rig)) - 1)
 }
 
-/// What the encoder's keys must hold.
+/// The constraints on the encoder's keys.
 pub(crate) fn check(rig: &Rig, findings: &mut Findings) {
     if rig.get(&keys::POLARITY) == 0 {
         findings.note(&keys::POLARITY, "must be 1 or -1");
@@ -169,7 +169,7 @@ pub struct Encoder {
     absolute: Option<Absolute>,
 }
 
-/// What makes a reading of an absolute encoder.
+/// The conversion of an absolute encoder.
 #[derive(Clone, Debug)]
 struct Absolute {
     /// m.
@@ -179,7 +179,7 @@ struct Absolute {
     /// Largest deviation, m.
     deviation: f64,
     largest: f64,
-    /// What is added before the reading is rounded down, counts.
+    /// The value that is added before the reading is rounded down, counts.
     rounding: f64,
     noise_counts: f64,
     random: ChaCha8Rng,
@@ -207,7 +207,7 @@ impl Encoder {
         Encoder { pulse: pulse(rig), absolute }
     }
 
-    /// What it reads where the axis rests at a position, m, without noise.
+    /// The reading with the axis at rest at a position, m, without noise.
     #[must_use]
     pub fn at_rest(rig: &Rig, position: f64) -> i32 {
         let mut encoder = Encoder::new(rig, 0);

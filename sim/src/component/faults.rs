@@ -10,9 +10,9 @@
 //! | encoder-jump | the count is off by a number; several add up |
 //! | sensor-open | a sensor reads raw 0 |
 //!
-//! The first four change the plant, between outputs and samples as well: their instants are the
-//! integrator's, and a step ends on each. The others are in the sensors, and are seen at the first
-//! sample that is not before them. At one instant a fault comes before an output.
+//! The first four change the plant, also between outputs and samples: the integrator locates their instants, and a
+//! step ends on each. The others are in the sensors and appear at the first sample at or after their instant. At one
+//! instant a fault precedes an output.
 
 mod leak;
 mod sensing;
@@ -30,7 +30,7 @@ use crate::values::{Fields, Findings, Rig, Value, field, seconds, whole_microsec
 
 const COUNT: i64 = i32::MAX as i64;
 
-/// Every kind, and what it does.
+/// Every kind and its effect.
 #[rustfmt::skip]
 const KINDS: &[(&str, &str)] = &[
     ("swapped-tubes", "the tubes of chambers 1 and 2 are on each other's port of the valve"),
@@ -85,7 +85,7 @@ words! {
     }
 }
 
-/// What goes wrong.
+/// The kind of a fault.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FaultKind {
     /// The ports of the valve are joined to the chambers crosswise.
@@ -110,7 +110,7 @@ pub enum FaultKind {
     EncoderLoss,
     /// The count is off from now on.
     EncoderJump {
-        /// By so many counts.
+        /// The jump, counts.
         counts: i32,
     },
     /// A sensor reads raw 0.
@@ -129,7 +129,7 @@ impl FaultKind {
 pub struct FaultEvent {
     /// Microseconds from the start of the test.
     pub at_us: u64,
-    /// What it is.
+    /// Its kind.
     pub kind: FaultKind,
 }
 
@@ -152,7 +152,7 @@ impl FaultEvent {
     }
 }
 
-/// What is wrong with the plant at present.
+/// The present faults of the plant.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct PlantFaults {
     /// Ports and chambers are joined crosswise.
@@ -190,7 +190,7 @@ pub(crate) struct Schedule {
     instants: Vec<u64>,
     /// How many of them have passed.
     passed: usize,
-    /// What is wrong since the last of those.
+    /// The faults since the last of those.
     pub now: PlantFaults,
 }
 
@@ -236,7 +236,7 @@ impl Schedule {
 }
 
 impl Rig {
-    /// What goes wrong, in the order of the file.
+    /// The faults, in the order of the file.
     #[must_use]
     pub fn fault_events(&self) -> Vec<FaultEvent> {
         self.get(&keys::EVENT).iter().flatten().map(|event| self.fault_event(event)).collect()
@@ -276,7 +276,7 @@ impl Rig {
     }
 }
 
-/// What must hold between events and the rest of a rig.
+/// The constraints between events and the rest of a rig.
 pub(crate) fn check(rig: &Rig, findings: &mut Findings) {
     let (low, high) = (rig.get(&exhaust::keys::PRESSURE_PA), rig.get(&supply::keys::PRESSURE_PA));
     for event in rig.fault_events() {

@@ -30,7 +30,7 @@ pub struct Body {
     pub applied: f64,
     /// Velocity, m/s.
     pub velocity: f64,
-    /// What the body is doing.
+    /// The motion of the body.
     pub contact: Contact,
     /// The states of the model.
     pub states: States,
@@ -39,18 +39,18 @@ pub struct Body {
 /// s: over which a force is differenced.
 const MOMENT: f64 = 1e-7;
 
-/// What a drive asks of a model of friction.
+/// The interface of a friction model to the drive.
 pub trait FrictionModel: Sized {
-    /// What counts as large in each of its states, for the integrator's tolerance.
+    /// The scale of each of its states, for the integrator's tolerance.
     const SCALE: &'static [f64] = &[];
 
     /// The friction of a rig's load.
     fn of(rig: &Rig) -> Self;
 
-    /// What the keys of the model must hold.
+    /// The constraints on the keys of the model.
     fn check(_rig: &Rig, _findings: &mut Findings) {}
 
-    /// What a body does, and the states, where a force (N) is applied to it at rest.
+    /// The motion of a body at rest under a force (N), and the states.
     fn at_rest(&self, applied: f64) -> (Contact, States);
 
     /// The speed up to which a held body may creep, m/s: a faster one slides.
@@ -91,7 +91,7 @@ pub trait FrictionModel: Sized {
     }
 }
 
-/// What the friction of a load must hold, whatever its model.
+/// The constraints on the friction of a load, whatever its model.
 fn check_forces(rig: &Rig, findings: &mut Findings) {
     let why = "a body that slips must not be held more than one that sticks";
     findings.not_above(rig, &keys::COULOMB_EXTEND_N, &keys::STATIC_EXTEND_N, why);
@@ -120,7 +120,7 @@ macro_rules! models {
         /// The keys of all models.
         pub(crate) static KEYS: &[&[&Key]] = &[keys::ALL, $($file::keys::ALL),+];
 
-        /// What the friction of a load must hold.
+        /// The constraints on the friction of a load.
         pub(crate) fn check(rig: &Rig, findings: &mut Findings) {
             check_forces(rig, findings);
             match rig.get(&keys::FRICTION) {
@@ -129,7 +129,7 @@ macro_rules! models {
         }
 
         impl Friction {
-            /// What counts as large in each state, for the integrator's tolerance.
+            /// The scale of each state, for the integrator's tolerance.
             #[must_use]
             pub fn scale(&self) -> &'static [f64] {
                 match self { $(Friction::$name(_) => <$file::$model as FrictionModel>::SCALE,)+ }

@@ -1,4 +1,4 @@
-//! The valve operator: what moves the spool, a model a file.
+//! The valve operator, which moves the spool: one model per file.
 //!
 //! | model | thesis | moves the spool |
 //! |---|---|---|
@@ -6,12 +6,12 @@
 //! | [`empirical`] | L(2) = 0 | as a damped oscillator (6.32) |
 //! | [`stepper`] | L(2) = 2 | a step a pulse, at once |
 //! | [`on_off`] | L(2) = 3 | to one of three places, within a switching time |
-//! | [`stuck`] | | not at all any more: what a fault makes of the others |
+//! | [`stuck`] | | not at all: a fault turns any other model into this one |
 //!
-//! An operator is given a [`Request`] at each output and tells where its spool is. Those with a
-//! moving mass have two states, position and velocity, for the integrator; as long as the motion is known
-//! beforehand (`operator/closed_form.rs`) these rest, and [`Operator::state`] tells where it is. What else they remember (hysteresis,
-//! stiction, stops) are modes, each with a guard that says how long it holds.
+//! An operator gets a [`Request`] at each output and reports the position of its spool. Models with a moving mass
+//! have two states, position and velocity, for the integrator. While the motion is known beforehand
+//! (`operator/closed_form.rs`) these rest, and [`Operator::state`] gives the position. Everything else that they
+//! remember (hysteresis, stiction, stops) is a mode, with a guard that tells how long it holds.
 
 pub mod amplifier;
 mod closed_form;
@@ -62,7 +62,7 @@ keys! {
     MODEL: Model = choice("operator.model", "L(2)", "What moves the spool.");
 }
 
-/// What an operator's keys must hold.
+/// The constraints on an operator's keys.
 pub(crate) fn check(rig: &Rig, findings: &mut Findings) {
     let dithers = rig.get(&keys::MODEL) == Model::Solenoid && rig.get(&dither::keys::DITHER_MM) > 0.0;
     if dithers && rig.get(&dither::keys::DITHER_HZ) == 0.0 {
@@ -106,13 +106,13 @@ pub struct SpoolState {
     pub velocity: f64,
 }
 
-/// What is known of the course of a spool until its next instant.
+/// The course of a spool until its next instant, as far as it is known.
 pub(crate) enum Course<'a> {
     /// It stands at least until then, and breaks away there if a guard is named: the operator's of this index.
     Stands(f64, Option<usize>),
     /// It moves freely, between these limits.
     Flies(&'a FreeMotion, [Limit; 2]),
-    /// It has to be searched for what happens.
+    /// Its events have to be searched for.
     Unknown,
 }
 
@@ -135,8 +135,8 @@ pub enum Operator {
 }
 
 impl Operator {
-    /// Position and velocity of a moving spool at `t`, if the integrator's state of it is `spool`. All else
-    /// but [`Operator::derivative`] is asked with what this tells.
+    /// Position and velocity of a moving spool at `t`, if `spool` is its state in the integrator. All other functions
+    /// except [`Operator::derivative`] take this result.
     #[must_use]
     pub fn state(&self, t: f64, spool: SpoolState) -> SpoolState {
         match self {
@@ -167,8 +167,8 @@ impl Operator {
         }
     }
 
-    /// What is known of its course after `t`. A spool that moves passes one of the `edges` of the lands next, if not a
-    /// limit of the operator's own.
+    /// Its course after `t`, as far as it is known. A moving spool next passes one of the `edges` of the lands,
+    /// unless it meets a limit of the operator first.
     pub(crate) fn course(&self, t: f64, spool: SpoolState, edges: &[Limit; 2]) -> Course<'_> {
         match self {
             Operator::Solenoid(solenoid) => solenoid.course(t, spool, edges),

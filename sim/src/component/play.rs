@@ -7,8 +7,8 @@
 //! held         s stays     while |u - s| < w
 //! ```
 //!
-//! Every operator with hysteresis shares this file. What its input u is, and so when a branch ends,
-//! the operator knows.
+//! Every operator with hysteresis shares this file. The operator knows the input u, and so the instant at which a
+//! branch ends.
 
 /// Which way an input moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,7 +33,7 @@ impl Motion {
     }
 }
 
-/// What the output is doing.
+/// The state of the output.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Branch {
     /// Stays at this value.

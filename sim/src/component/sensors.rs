@@ -4,8 +4,8 @@
 //! raw   = clamp(floor((x - min) / (max - min) (2^bits - 1) + 0.5 + noise), 0, 2^bits - 1)
 //! ```
 //!
-//! as in DESIGN section 4; the noise, in counts, is normal and drawn from a seeded generator. A pressure without a sensor is
-//! raw 0, which the controller does not look at.
+//! as in DESIGN section 4. The noise, in counts, is normal and comes from a seeded generator. A pressure without a
+//! sensor is raw 0, and the controller ignores it.
 
 pub mod calibration;
 
@@ -43,7 +43,7 @@ keys! {
     SPOOL_OFFSET_TOLERANCE_MM: f64 = number("sensors.spool_offset_tolerance_mm", 0.01, 0.0, 10.0, "", "How far the zero of the spool's sensor may be off, for identify; 0.01 is an assumption; 0: exact.");
 }
 
-/// What the ranges must hold.
+/// The constraints on the ranges.
 pub(crate) fn check(rig: &Rig, findings: &mut Findings) {
     let why = "the sensor's range would be empty";
     findings.below(rig, &keys::PRESSURE_MIN_PA, &keys::PRESSURE_MAX_PA, why);
@@ -192,7 +192,7 @@ impl Sensors {
         [self.encoder.distance(of.position), pressure(0), pressure(1)]
     }
 
-    /// What the sensors make of true values.
+    /// The sensor readings of true values.
     #[inline]
     fn sensed(&self, of: Reading) -> Reading {
         self.calibration.as_ref().map_or(of, |calibration| calibration.read(&of))

@@ -4,9 +4,8 @@
 //! L_e = max(0, K p + c p' min(p / d, 1)),   c = 2 zeta sqrt(K M)
 //! ```
 //!
-//! p is the penetration, d the region over which the damping sets in: the force is continuous at
-//! contact, and never adhesive (the thesis's text is lost; EQUATIONS section 6). Load and spool
-//! share this file.
+//! p is the penetration, and d the region over which the damping sets in: the force is continuous at contact and
+//! never adhesive (the thesis's text is lost; EQUATIONS section 6). Load and spool share this file.
 
 use crate::key::keys;
 use crate::values::Rig;

@@ -1,4 +1,4 @@
-//! How exactly a plant is integrated, and what a run of a rig needs.
+//! The accuracy of an integration, and the accuracy that a run of a rig needs.
 
 use crate::component::controller::Loop;
 use crate::component::operator::Model;
@@ -6,12 +6,12 @@ use crate::keys;
 use crate::values::Rig;
 use pneudrive_solver::Method;
 
-/// How exactly a plant is integrated.
+/// The accuracy of an integration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Accuracy {
     /// The method.
     pub method: Method,
-    /// Allowed error of a step, relative to what counts as large in each state.
+    /// Allowed error of a step, relative to the scale of each state.
     pub tolerance: f64,
 }
 
@@ -24,8 +24,8 @@ impl Default for Accuracy {
 }
 
 impl Accuracy {
-    /// What a run of a rig needs. In a closed loop a count that flips makes another transient, so that it is
-    /// integrated until that is rare (see [`crate::convergence`]).
+    /// The accuracy that a run of a rig needs. In a closed loop a flipped count gives another transient, so the
+    /// integration must be exact enough for that to be rare (see [`crate::convergence`]).
     #[must_use]
     pub fn of(rig: &Rig) -> Accuracy {
         match rig.get(&keys::controller::LOOP) {
@@ -34,7 +34,7 @@ impl Accuracy {
         }
     }
 
-    /// What the motion needs to be exact as long as no count flips. A spool that a stepper places does not shake, and no
+    /// The accuracy that the motion needs as long as no count flips. The spool of a stepper does not shake, and no
     /// position depends on the last nanometres of its motion.
     #[must_use]
     pub fn of_motion(rig: &Rig) -> Accuracy {
@@ -44,16 +44,16 @@ impl Accuracy {
         }
     }
 
-    /// What a run needs that shows what a relative change `apart` of mass and starting position may do: its error is to be
-    /// small beside the change (docs/agreement.md).
+    /// The accuracy of a perturbed run with a relative change `apart` of mass and starting position: its error must
+    /// be small beside the effect of that change (docs/agreement.md).
     #[must_use]
     pub fn of_member(rig: &Rig, apart: f64) -> Accuracy {
         let motion = Accuracy::of_motion(rig);
         Accuracy { tolerance: motion.tolerance * (apart / NEAREST).max(1.0), ..motion }
     }
 
-    /// What a run needs that is one of many draws: another transient of the same drive is as good, and draws are farther
-    /// apart than perturbed runs.
+    /// The accuracy of a run that is one of many draws: another transient of the same drive is as good, and draws are
+    /// farther apart than perturbed runs.
     #[must_use]
     pub fn of_draw(rig: &Rig) -> Accuracy {
         Accuracy::of_member(rig, PERTURBATION)
@@ -63,5 +63,5 @@ impl Accuracy {
 /// The usual relative change of perturbed runs.
 pub const PERTURBATION: f64 = 1e-5;
 
-/// A relative change beside which the error of a motion is small.
+/// A relative change that is large beside the error of a motion.
 const NEAREST: f64 = 3e-7;

@@ -1,4 +1,4 @@
-//! The rigs that come with the program.
+//! The built-in rigs.
 
 use super::Rig;
 

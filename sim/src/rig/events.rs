@@ -1,6 +1,6 @@
 //! The lists of a rig file whose entries are tables: `[[faults.event]]` ([`crate::component::faults`]) and
-//! `[[test.move]]` ([`crate::schedule`]). Their fields are read like the keys of the file; the first one chooses among
-//! the others.
+//! `[[test.move]]` ([`crate::schedule`]). Their fields are read like the keys of the file. The first field chooses
+//! among the others.
 
 use toml_edit::{Item, TableLike};
 

@@ -1,4 +1,4 @@
-//! `rig explain`: what a key means.
+//! `rig explain`: the meaning of a key.
 
 use super::names::did_you_mean;
 use super::problem::Problem;

@@ -1,4 +1,4 @@
-//! What to say of a name that no key has.
+//! Messages about a name that no key has.
 
 use super::table::{all_keys, find_key};
 use crate::key::{Key, unit};
@@ -17,7 +17,7 @@ pub(super) fn key_of_stem(path: &str) -> Option<&'static Key> {
     })
 }
 
-/// What to say of a key that is not in the table: its unit, or a near miss.
+/// The message about a key that is not in the table: its unit, or a near miss.
 pub(super) fn unknown_key(path: &str) -> String {
     let (table, name) = path.split_once('.').unwrap_or(("", path));
     let (stem, given) = unit(name);

@@ -1,4 +1,4 @@
-//! Where a value comes from, as a rig file says it: `{ typical = 20.0, low = 8.0, high = 40.0, from = "..." }`.
+//! The origin of a value, as a rig file states it: `{ typical = 20.0, low = 8.0, high = 40.0, from = "..." }`.
 
 use toml_edit::{InlineTable, Item};
 
@@ -32,7 +32,7 @@ pub(super) struct StatedOrigin {
 /// The value of a key, from the item after its equals sign.
 ///
 /// # Errors
-/// What is wrong with a table that states an origin.
+/// The problems of a table that states an origin.
 pub(super) fn stated(item: &Item) -> Result<Stated, String> {
     let Some(table) = item.as_inline_table() else {
         return Ok(Stated { value: item.clone(), origin: None });

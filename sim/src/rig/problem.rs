@@ -1,4 +1,4 @@
-//! What is wrong with a file: where, and what to do.
+//! A problem of a file: its place, and the remedy.
 
 use std::fmt;
 
@@ -11,7 +11,7 @@ pub struct Problem {
     pub line: Option<usize>,
     /// The key, as `table.name`.
     pub key: String,
-    /// What is wrong and what to do.
+    /// The problem and its remedy.
     pub message: String,
 }
 

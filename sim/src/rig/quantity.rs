@@ -1,7 +1,8 @@
 //! Numbers with a unit: "6 bar(g)", "250 mm", "0.4 N/mm", "20 degC", "8,5 kg".
 //!
-//! A unit is a product of factors over others, as in `dm3/(s bar)` and `N/(m/s)`; what stands behind a slash is under it up to the
-//! next one. What a factor is worth in SI comes from [`uom`]; a whole exponent stands behind it (`cm3`, `cm^3` or `cm³`).
+//! A unit is a product of factors over others, as in `dm3/(s bar)` and `N/(m/s)`. A slash divides by everything up to
+//! the next slash. The value of a factor in SI comes from [`uom`]; a whole exponent may follow it (`cm3`, `cm^3` or
+//! `cm³`).
 
 mod likely;
 mod spelling;
@@ -31,7 +32,7 @@ impl Reading {
 /// Reads a number with its unit, and converts it into `unit`.
 ///
 /// # Errors
-/// What is wrong with the number or its unit, and what would be right.
+/// The problem with the number or its unit, and the remedy.
 pub fn read(text: &str, unit: &str) -> Result<Reading, String> {
     let (number, given) = spelling::number_and_unit(text)?;
     if given == unit {
@@ -86,7 +87,8 @@ fn of_flow(unit: &str, target: Unit) -> &str {
     plain.filter(|_| is_flow).map_or(unit, str::trim_end)
 }
 
-/// The unit of a pressure without what it counts from, and whether that is the surroundings; None where it does not say.
+/// The unit of a pressure without its reference, and whether that reference is the surroundings; None if it does not
+/// say.
 fn pressure_reference(unit: &str) -> (&str, Option<bool>) {
     let endings = [
         (["(g)", "(G)", "(gauge)", " gauge", "g", "G"], true),

@@ -1,4 +1,4 @@
-//! Reading a rig file: once for one rig, or for many that differ in what is set.
+//! Reads a rig file: once for one rig, or for many rigs that differ in some values.
 
 use super::check::check;
 use super::names::unknown_key;
@@ -126,7 +126,7 @@ impl Rig {
     }
 }
 
-/// A rig file that has been read, for rigs of it that differ in what is set.
+/// A rig file that has been read, for rigs of it with different settings.
 #[derive(Clone, Debug)]
 pub struct RigFile {
     source: String,
@@ -136,7 +136,7 @@ pub struct RigFile {
 }
 
 impl RigFile {
-    /// Reads a rig file; `source` is its name for messages. What is wrong with it is told with each rig.
+    /// Reads a rig file; `source` is its name for messages. Its problems are reported with each rig.
     #[must_use]
     pub fn read(source: &str, text: &str) -> RigFile {
         let (mut reader, mut rig) = (Reader::new(source, text), presets());
@@ -168,7 +168,7 @@ impl RigFile {
 /// The value that a setting `path=text` gives a key, whatever the other keys are.
 ///
 /// # Errors
-/// What is wrong with key or value.
+/// The problem with a key or value.
 pub fn value_of_setting(path: &str, text: &str) -> Result<Value, String> {
     let key = find_key(path).ok_or_else(|| unknown_key(path))?;
     value_of(key, &item_of(text))

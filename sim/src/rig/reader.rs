@@ -18,7 +18,7 @@ use crate::values::{Findings, Origin, Rig, Value};
 /// The name of the command line's settings in messages.
 const SETTING: &str = "--set";
 
-/// What is being read, and what was found wrong so far.
+/// The file that is being read, and the problems found so far.
 pub(super) struct Reader<'a> {
     pub file: TomlFile<'a>,
     /// Lines of the keys that the file has.
@@ -27,7 +27,7 @@ pub(super) struct Reader<'a> {
     gauge: BTreeMap<&'static str, Entry>,
 }
 
-/// What a reader keeps of a file for settings that come later.
+/// The contents of a file that a reader keeps for later settings.
 #[derive(Clone, Debug)]
 pub(super) struct Noted {
     problems: Vec<Problem>,
@@ -59,13 +59,13 @@ impl<'a> Reader<'a> {
         Reader { file, lines, gauge }
     }
 
-    /// What it has found in the file.
+    /// The values found in the file.
     pub fn into_noted(self) -> Noted {
         let Reader { file, lines, gauge } = self;
         Noted { problems: file.problems, lines, gauge }
     }
 
-    /// Notes what does not go together; the lines are known of keys that the file has.
+    /// Notes a contradiction; lines are known for keys that the file has.
     pub fn note(&mut self, findings: Findings) {
         for (path, message) in findings.0 {
             let line = self.lines.get(path).copied().flatten();
@@ -155,7 +155,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Takes what has waited for the pressure of the surroundings.
+    /// Accepts the values that have waited for the pressure of the surroundings.
     pub fn finish(&mut self, rig: &mut Rig) {
         for entry in std::mem::take(&mut self.gauge).into_values() {
             if entry.key.path == keys::exhaust::PRESSURE_PA.path {
@@ -167,7 +167,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// What is typed last holds: moves in another form replace those of the file.
+    /// The last setting holds: moves in another form replace those of the file.
     fn replace_moves(&mut self, rig: &mut Rig, path: &str) {
         let forms = [&keys::test::MOVES.key, &keys::test::TARGETS.key, &keys::test::MOVE.key];
         if !forms.iter().any(|form| form.path == path) {

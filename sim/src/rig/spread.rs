@@ -21,7 +21,7 @@ pub enum SpreadError {
     Invalid(#[from] super::Problems),
 }
 
-/// ADC noise of a rig with a spread, counts: what a good 12-bit converter shows.
+/// ADC noise of a rig with a spread, counts: as in a good 12-bit converter.
 const NOISE_COUNTS: f64 = 1.0;
 
 impl Rig {

@@ -71,7 +71,7 @@ pub(super) fn presets() -> Rig {
 }
 
 impl Rig {
-    /// What the rig is called.
+    /// The name of the rig.
     #[must_use]
     pub fn name(&self) -> &str {
         match self.value(keys::NAME.path) {

@@ -1,4 +1,4 @@
-//! The constants and flags of the thesis by their numbers: what `rig explain 'C(46)'` answers.
+//! The constants and flags of the thesis by number, for `rig explain 'C(46)'`.
 
 use super::table::all_keys;
 use crate::key::Key;
@@ -8,7 +8,7 @@ use crate::key::Key;
 pub struct Name {
     /// Its number, such as C(46).
     pub number: &'static str,
-    /// What the thesis calls it.
+    /// Its name in the thesis.
     pub printed: &'static str,
     /// The default that the thesis prints.
     pub default: &'static str,

@@ -6,7 +6,7 @@ use toml_edit::Document;
 
 use super::problem::{Problem, Problems};
 
-/// A TOML file that is being read, and what was found wrong so far.
+/// A TOML file that is being read, and the problems found so far.
 #[derive(Clone, Debug)]
 pub struct TomlFile<'a> {
     /// Its name for messages, or the part of the command line.
@@ -14,7 +14,7 @@ pub struct TomlFile<'a> {
     text: &'a str,
     /// Where each of its lines ends, bytes.
     line_ends: Vec<usize>,
-    /// What was found wrong.
+    /// The problems.
     pub problems: Vec<Problem>,
 }
 
@@ -43,7 +43,7 @@ impl<'a> TomlFile<'a> {
         span.map(|span| 1 + self.line_ends.partition_point(|end| *end < span.start))
     }
 
-    /// What was read, if nothing is wrong with it.
+    /// The values, if there is no problem.
     ///
     /// # Errors
     /// Everything that was found wrong.

@@ -1,4 +1,4 @@
-//! What the moves of a test must hold: their order and number, their profiles, and the stroke.
+//! The constraints on the moves of a test: order, number, profiles, and the stroke.
 
 use pneudrive_controller::sequencer::MAX_MOVES;
 
@@ -9,7 +9,7 @@ use crate::component::{actuator, encoder, safety};
 use crate::key::Key;
 use crate::values::{Findings, Rig, whole_microseconds};
 
-/// What the moves of a test must hold by themselves and with its controller.
+/// The constraints on the moves of a test by themselves and with its controller.
 pub(super) fn check(rig: &Rig, findings: &mut Findings) {
     let planned = rig.planned();
     check_forms(rig, findings);

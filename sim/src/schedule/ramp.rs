@@ -1,7 +1,7 @@
-//! The lengths of a ramp within limits: rounded once, here, to whole samples.
+//! The lengths of a ramp within limits, rounded here once to whole samples.
 //!
-//! Closed forms of the shortest way over a distance d, from rest to rest, with limits v, a and j of velocity,
-//! acceleration and jerk. The velocity is built up for Ta + Tj, and again down; Tv is the time at its mean:
+//! The closed forms of the shortest way over a distance d, from rest to rest, with limits v, a and j of velocity,
+//! acceleration and jerk. The velocity rises for Ta + Tj and falls for the same time; Tv is the time at its mean:
 //!
 //! ```text
 //! trapezoid:  Tv = max(d/v, sqrt(d/a)),   Ta = d/(a Tv)
@@ -11,8 +11,8 @@
 //! T = Tv + Ta + Tj
 //! ```
 //!
-//! A ramp of V, A and J samples ([`pneudrive_controller::profile`]) takes V + A + J - 2. The lengths are those of the
-//! fewest samples that are within all limits, and not below T: V is lengthened where they would be.
+//! A ramp of V, A and J samples ([`pneudrive_controller::profile`]) takes V + A + J - 2. The lengths are the fewest
+//! samples that are within all limits and not below T; if necessary V is lengthened.
 
 /// Limits of a setpoint's motion, in counts and samples.
 #[derive(Clone, Copy, Debug, PartialEq)]

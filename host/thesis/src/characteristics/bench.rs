@@ -1,4 +1,4 @@
-//! Parts of a rig on a bench: the valve between two pressures, its operator with no air in it.
+//! Parts of a rig on a bench: the valve between two pressures, and its operator without air.
 
 use pneudrive_sim::Rig;
 use pneudrive_sim::component::air::Station;

@@ -1,8 +1,8 @@
-//! Effect of dither (7.1.2.2, Fig. 7.8): where the spool shakes no gauge sees it, so the pressure of blocked
-//! port 1 is read over a command that goes up and down, for dithers of 20 to 60 Hz and of the rig's own frequency.
+//! Effect of dither (7.1.2.2, Fig. 7.8). No gauge can follow the shaking spool, so the test reads the pressure of
+//! blocked port 1 over a command that goes up and down, for dithers of 20 to 60 Hz and of the rig's own frequency.
 //!
-//! A gauge reads the mean over a period of the dither. The hysteresis is the command between the branches
-//! where the pressure passes the middle of its range; the spool's own vibration is shown beside it.
+//! A gauge reads the mean over a period of the dither. The hysteresis is the distance in command between the branches
+//! where the pressure passes the middle of its range. The spool's own vibration is shown beside it.
 
 use super::bench::{SpoolBench, ValveBench};
 use super::hysteresis::{branches, reading_m, sweep};
@@ -93,7 +93,7 @@ pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
     })
 }
 
-/// Those of Fig. 7.8, and the rig's own.
+/// The frequencies of Fig. 7.8, and the rig's own.
 fn frequencies(rig: &Rig) -> Vec<f64> {
     let own = Dither::of(rig).frequency_hz;
     let other = Some(own).filter(|own| *own > 0.0 && !FREQUENCIES_HZ.contains(own));

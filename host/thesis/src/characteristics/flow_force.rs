@@ -1,7 +1,7 @@
 //! Force of the flow on the spool (6.4.4) over the spool, by supply pressure.
 //!
-//! Both ports have a pressure half-way between supply and exhaust, so that air goes into one and out of the other, as
-//! in a cylinder that moves.
+//! Both ports have a pressure half-way between supply and exhaust. So air goes into one and out of the other, as in a
+//! moving cylinder.
 
 use super::bench::ValveBench;
 use super::points::{evenly, over, supplies};

@@ -1,12 +1,12 @@
-//! Flow function (V.9, 6.52): what a land passes over the ratio of downstream to upstream pressure, as a
-//! share of the choked flow of an ideal nozzle of its area.
+//! Flow function (V.9, 6.52): the flow of a land over the ratio of downstream to upstream pressure, as a share of the
+//! choked flow of an ideal nozzle of its area.
 //!
 //! ```text
 //! m / (A P_u / sqrt(T_u) sqrt(n/R) (2/(n+1))^((n+1)/(2(n-1))))
 //! ```
 //!
-//! Below it, the flow function with upstream Mach numbers (V.9 to V.11, Fig. 6.14) as a share of the same flow: P_u and T_u
-//! are those of the moving air. It passes what air at rest would at its stagnation state
+//! A second curve shows the flow function with upstream Mach numbers (V.9 to V.11, Fig. 6.14) as a share of the same
+//! flow. P_u and T_u are those of the moving air. The flow equals that of air at rest in the stagnation state
 //!
 //! ```text
 //! T_0 = T_u s,   P_0 = P_u s^(n/(n-1)),   s = 1 + (n-1)/2 M_u^2
@@ -55,7 +55,8 @@ pub fn with_approach(gas: &Gas, mach: f64, ratio: f64) -> f64 {
     (of(stagnation, gas.exner(ratio)) / (stagnation * of(1.0, 0.0))).sqrt()
 }
 
-/// The flow that counts as one, kg/s: what an ideal nozzle of the land's area passes choked, or the land itself where it has no area.
+/// The reference flow, kg/s: the choked flow of an ideal nozzle of the land's area, or of the land itself if it has
+/// no area.
 fn whole(rig: &Rig) -> f64 {
     if matches!(rig.get(&keys::valve::MODEL), Model::Iso6358 | Model::FlowMap) {
         return land_flow(rig, 0.0);

@@ -1,8 +1,8 @@
 //! Flow gain (7.1.1.1, Fig. 7.4): the flow out of port 1 over the spool.
 //!
-//! The family over supply pressure has a back pressure half-way between supply and exhaust at the port,
-//! so that the spool's one side shows the flow out and its other side the flow back. Fig. 7.4 is the
-//! other family: one pressure at the supply port, several at port 1.
+//! The family over supply pressure has a back pressure half-way between supply and exhaust at the port. So one side
+//! of the spool shows the flow out, the other the flow back. Fig. 7.4 is the other family: one pressure at the supply
+//! port, several at port 1.
 
 use super::bench::ValveBench;
 use super::points::{evenly, over, supplies};

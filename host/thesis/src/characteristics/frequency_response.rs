@@ -1,16 +1,16 @@
 //! Frequency response of the spool (7.1.2.3): the spool under a sine of commands, frequency by frequency.
 //!
-//! The commands are whole counts, so many of them a period; gain and phase are those of the fundamental
-//! of the spool over that of the commands themselves, so that neither their rounding nor their steps count.
-//! A linear operator follows its transfer function:
+//! The commands are whole counts, a fixed number of them per period. Gain and phase are those of the fundamental of
+//! the spool over the fundamental of the commands themselves, so neither their rounding nor their steps count. A
+//! linear operator follows its transfer function:
 //!
 //! ```text
 //! empirical (6.32)   K_S / (s^2 + K_D s + K_S)
 //! analytical (6.33)  G_s / (M s^2 + D s + K)         without friction and hysteresis
 //! ```
 //!
-//! The response is measured on a grid of frequencies. Where its largest gain is, and where gain and phase pass a level,
-//! is then looked for between the perturbed runs on the grid, by more measurements.
+//! The response is measured on a grid of frequencies. The frequency of the largest gain, and the frequencies at which
+//! gain and phase pass a level, are then located between neighbouring points of the grid by more measurements.
 
 use pneudrive_sim::keys;
 use std::f64::consts::PI;
@@ -35,7 +35,7 @@ const AMPLITUDE: f64 = 819.0;
 /// Gain and phase of the spool at one frequency.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Response {
-    /// Amplitude of the spool over that of the command.
+    /// Amplitude of the spool over the amplitude of the command.
     pub gain: f64,
     /// Radians, negative where the spool lags.
     pub phase: f64,
@@ -88,13 +88,13 @@ fn fundamental(values: &[f64]) -> Phasor {
     sum
 }
 
-/// The lowest frequency of the grid, Hz; its highest is three times the natural frequency of the spool, and this at
-/// least; two perturbed runs are so far apart.
+/// The lowest frequency of the grid, Hz. Its highest one is three times the natural frequency of the spool, and at
+/// least the next value. The last value is the ratio of two neighbouring frequencies.
 const LOWEST_HZ: f64 = 2.0;
 const HIGHEST_HZ: f64 = 300.0;
 const APART: f64 = 1.133_4;
 
-/// A place between two perturbed runs is looked for until it is known to this part.
+/// A location between two neighbouring frequencies is accurate to this part.
 const FOUND: f64 = 1e-3;
 
 /// Parts of a frequency and of a gain (dB) to which they are known: the response is within 0.2 % of a linear spool's.

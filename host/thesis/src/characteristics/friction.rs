@@ -1,16 +1,16 @@
 //! Static and dynamic friction by a slow rise of the supply (7.1.3.1, Fig. 7.10 and 7.11, Tab. 7.2).
 //!
-//! The valve is open by a quarter to one side and the supply rises from the pressure of the surroundings until the load
-//! moves. A load that its friction does not hold, such as the weight of a vertical axis, rests on the air of one chamber: the
-//! supply begins at the pressure that carries it, rises to move it up and falls to let it down, both through that chamber.
-//! What the cylinder pushes with, less what the load weighs, is the friction:
+//! The valve is open by a quarter to one side. The supply rises from the pressure of the surroundings until the load
+//! moves. If friction does not hold the load, as on a vertical axis, it rests on the air of one chamber. The supply
+//! then begins at the pressure that carries it, rises to move it up and falls to let it down, both through that
+//! chamber. The friction is the force of the cylinder, less the weight of the load:
 //!
 //! ```text
 //! F = P_1 A_1 - P_2 A_2 - P_e A_r + F_standing
 //! ```
 //!
-//! It is the static friction at the last reading before the load moves, and Coulomb's friction with the viscous part at the
-//! first instant of constant speed, at which nothing accelerates the mass.
+//! It is the static friction at the last reading before the load moves. At the first instant of constant speed, at
+//! which nothing accelerates the mass, it is Coulomb's friction with the viscous part.
 
 use super::{Characteristic, Figure, Graph, Reading, Unfit};
 use pneudrive_controller::Command;
@@ -80,7 +80,7 @@ impl Way {
     }
 }
 
-/// What the gauges show at one instant.
+/// The readings of the gauges at one instant.
 #[derive(Clone, Copy, Debug)]
 struct Gauges {
     time: f64,
@@ -93,7 +93,7 @@ struct Gauges {
 }
 
 impl Gauges {
-    /// What they show of a load that `force` (N, towards extension) pushes against its friction.
+    /// The readings for a load that `force` (N, towards extension) pushes against its friction.
     fn new(way: Way, time: f64, supply: f64, force: f64, seen: &Snapshot) -> Gauges {
         let sign = way.sign();
         Gauges {
@@ -141,7 +141,7 @@ pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
     })
 }
 
-/// How a load is moved: what it rests on before, and through which chamber.
+/// How a load is moved: its support before, and the chamber.
 struct Push {
     /// Where it begins, m.
     position: f64,
@@ -248,7 +248,7 @@ impl Rise {
         self.moving.is_some_and(|moving| last > moving + AFTER)
     }
 
-    /// The static friction, to within what the force rises from reading to reading.
+    /// The static friction, to within the rise of the force from reading to reading.
     fn static_friction(&self) -> Reading {
         let Some(moving) = self.moving.filter(|moving| *moving > 0) else {
             return Reading::NotBetween([0.0, f64::from(ALONE + STEPS) * PERIOD_S]);
@@ -336,7 +336,7 @@ mod tests {
         assert!(within < 0.02 * expected.abs(), "{name}: {value} is known to {within} only");
     }
 
-    /// C(46) to C(49): the test finds what the load has, whatever it weighs.
+    /// C(46) to C(49): the test finds the friction of the load, whatever the load weighs.
     #[test]
     fn the_slow_rise_finds_the_frictions_of_the_load() {
         for others in
@@ -405,7 +405,7 @@ mod tests {
         }
     }
 
-    /// A drive by its data sheets, and what else it has.
+    /// A drive by its data sheets, with these additions.
     fn own(settings: &[&str]) -> Rig {
         let by_conductance = [
             "valve.model=iso-6358",

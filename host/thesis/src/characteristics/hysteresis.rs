@@ -1,9 +1,9 @@
-//! Hysteresis of the operator (7.1.2.1, Fig. 7.6): the spool over a command that goes slowly up and down
-//! through its range, without dither and with it.
+//! Hysteresis of the operator (7.1.2.1, Fig. 7.6): the spool over a command that goes slowly up and down through its
+//! range, without dither and with it.
 //!
-//! The width is read at mid-travel: how much more command it takes going up than coming down, to within a count,
-//! and as a part of the rig's own range of commands. With neither stiction nor dither it is that of the magnetic loop,
-//! C(29).
+//! The width is read at mid-travel: how much more command the spool takes going up than coming down, to within a
+//! count, and as a part of the rig's own range of commands. Without stiction and dither it is the width of the
+//! magnetic loop, C(29).
 
 use super::bench::{SpoolBench, decay_s};
 use super::{Characteristic, Figure, Graph, Unfit};
@@ -82,7 +82,7 @@ fn range(rig: &Rig) -> [f64; 2] {
     [2048.0, rig.get(&keys::valve::SPOOL_TRAVEL_MM) * 1e-3 / 2048.0]
 }
 
-/// To what a command is read, m: a count, or of a stepper a step.
+/// Resolution of the command, m: a count, or a step of a stepper.
 pub(super) fn reading_m(rig: &Rig) -> f64 {
     range(rig)[1]
 }

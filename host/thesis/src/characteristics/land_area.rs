@@ -1,4 +1,4 @@
-//! Areas of the lands over the spool (6.38, Appendix IV): what of the valve is open.
+//! Areas of the lands over the spool (6.38, Appendix IV).
 
 use super::points::{evenly, over};
 use super::{Characteristic, Figure, Graph, Unfit};

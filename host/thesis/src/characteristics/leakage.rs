@@ -1,5 +1,5 @@
-//! Leakage past the piston on a bench (8.3.3, Fig. 8.8): one chamber is fed, the other is open to the surroundings, and
-//! what comes out of it has passed the seal.
+//! Leakage past the piston on a bench (8.3.3, Fig. 8.8): one chamber is fed and the other is open to the
+//! surroundings. The flow out of it has passed the seal.
 
 use super::points::{evenly, over};
 use super::{Characteristic, Figure, Graph, Unfit};

@@ -1,5 +1,5 @@
-//! The flow that a data sheet shows: litres a minute of the path that the spool opens, over the command, from 6 to 5 bar gauge at
-//! 20 degrees Celsius (ANR, ISO 8778), and the conductances of the paths, fully open (ISO 6358-1).
+//! The flow as in data sheets: litres a minute of the open path over the command, from 6 to 5 bar gauge at 20 degrees
+//! Celsius (ANR, ISO 8778), and the conductances of the fully open paths (ISO 6358-1).
 //!
 //! ```text
 //! Q = mdot / rho_0,   C = mdot / (rho_0 P_u) of a choked flow at 20 degrees Celsius

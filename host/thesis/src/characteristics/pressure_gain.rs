@@ -1,15 +1,15 @@
 //! Pressure gain (7.1.1.2, Fig. 7.3): the pressures of blocked ports over the spool, and the null of the
 //! valve by least squares (7.1.1.3, Tab. 7.1).
 //!
-//! As the thesis did it: the pressures of the valve on the bench are read at micrometer positions; the
-//! curves of the same valve with its null at zero are shifted along them until the sum of the squared
-//! differences of both pressures is least:
+//! The method is the thesis's: the pressures of the valve on the bench are read at micrometer positions. The curves
+//! of the same valve with its null at zero are shifted along them until the sum of the squared differences of both
+//! pressures is smallest:
 //!
 //! ```text
 //! x_0 = argmin  sum_j sum_i (P_i(x_j) - P_i,null=0(x_j - x_0))^2
 //! ```
 //!
-//! It is known to twice its standard error: the misfit over the root of the sum of the squared slopes.
+//! Its uncertainty is twice its standard error: the misfit over the root of the sum of the squared slopes.
 
 use super::bench::ValveBench;
 use super::points::{evenly, supplies};

@@ -1,8 +1,8 @@
 //! The shortest sample period (7.1.5, Fig. 7.13).
 //!
-//! The thesis's timer stretched a period that its interrupt could not keep: below 0.28 ms the interrupts came as fast as
-//! they were served. Here the time from sample to output is `controller.delay_s`, C(26), and a period that leaves no room
-//! for it is refused, not stretched. The actual period of a timer is measured on a board.
+//! The thesis's timer stretched a period that its interrupt could not keep: below 0.28 ms the interrupts came as fast
+//! as they were served. Here the time from sample to output is `controller.delay_s`, C(26). A period that leaves no
+//! room for it is refused, not stretched. The actual period of a timer is measured on a board.
 
 use super::points::{evenly, over};
 use super::{Characteristic, Figure, Graph, Unfit};

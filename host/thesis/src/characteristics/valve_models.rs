@@ -1,6 +1,5 @@
-//! Single restriction against flow node (7.1.1.3, Fig. 7.5): the flow of port 1 over the spool by the
-//! conventional model (6.39 to 6.46), and by the flow node (6.47 to 6.51) with and without upstream Mach
-//! numbers.
+//! Single restriction compared with flow node (7.1.1.3, Fig. 7.5): the flow of port 1 over the spool by the
+//! conventional model (6.39 to 6.46), and by the flow node (6.47 to 6.51) with and without upstream Mach numbers.
 
 use super::bench::ValveBench;
 use super::flow_gain::FIG_7_4_SUPPLY_PA;

@@ -1,4 +1,4 @@
-//! The command of the continuous controller and the hysteresis on it, looked at in a transient.
+//! The command of the continuous controller and the hysteresis on it, checked in a transient.
 
 use super::super::{END_GUARDS, GUARDS, STATES, scale_of};
 use super::*;

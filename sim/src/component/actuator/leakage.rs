@@ -7,13 +7,12 @@
 //! F      = pi D h                                                   bore D, clearance h
 //! ```
 //!
-//! o is the source, the chamber of the higher pressure. The adiabatic law is Egli's, for narrow
-//! channels; it does not choke, but sigma ends at sqrt(1/R_ch). The thesis estimates s = 10 mm,
-//! h = 10 um and L_nh = 0.02, so R_ch = 20; its C(57) = 0.1 mm contradicts that and would leak like an
-//! open valve, and F is not stated (EQUATIONS section 5).
+//! o is the source, the chamber of the higher pressure. The adiabatic law is Egli's, for narrow channels. It does not
+//! choke, but sigma ends at sqrt(1/R_ch). The thesis estimates s = 10 mm, h = 10 um and L_nh = 0.02, so R_ch = 20.
+//! Its C(57) = 0.1 mm contradicts that and would leak like an open valve, and F is not stated (EQUATIONS section 5).
 //!
-//! At P_1 = P_2 the adiabatic law is continuous but has an infinite slope. It is kept; the
-//! integrator's error control meets it, and may take small steps there.
+//! At P_1 = P_2 the adiabatic law is continuous but has an infinite slope. We keep it; the integrator's error control
+//! handles it and may take small steps there.
 //!
 //! The leakage enters both mass balances and carries the temperature T_L = T_o of its source:
 //!

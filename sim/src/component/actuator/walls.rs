@@ -1,4 +1,4 @@
-//! Heat that the air of the chambers exchanges with their walls, by Newton's law of cooling.
+//! Heat exchange between the air of the chambers and their walls, by Newton's law of cooling.
 //!
 //! ```text
 //! Q_i  = h A_wi (T_w - T_i)                                 W, into the air of chamber i
@@ -61,7 +61,7 @@ impl Walls {
         Pair::splat(self.coefficient) * areas * (Pair::splat(self.temperature) - temperatures)
     }
 
-    /// What the heat adds to w'.
+    /// The contribution of the heat to w'.
     #[inline(always)]
     pub(crate) fn exner_rate(&self, gas: &Gas, lengths: Pair, volumes: Pair, air: &Air<Pair>) -> Pair {
         let per_heat = Pair::splat((gas.heat_capacity_ratio - 1.0) * gas.exner_exponent());

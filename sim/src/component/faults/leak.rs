@@ -5,9 +5,9 @@
 //! mdot = (1 - P_d/P_u)/(1 - b) mdot at b,   b = 0.999          P_d > b P_u
 //! ```
 //!
-//! u is the side of the higher pressure; psi is the flow function of [`crate::component::gas`]. The air takes mass
-//! and the enthalpy of the side that it comes from. Close to equal pressures the flow of a hole is
-//! laminar, as usual from a ratio of 0.999 on; the root alone would have an infinite slope there.
+//! u is the side of the higher pressure; psi is the flow function of [`crate::component::gas`]. The air takes mass,
+//! and the enthalpy of its source. Near equal pressures the flow of a hole is laminar, usually from a ratio of 0.999
+//! on; the root alone would have an infinite slope there.
 
 use crate::component::air::Station;
 use crate::component::gas::Gas;

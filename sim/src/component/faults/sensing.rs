@@ -5,8 +5,7 @@
 //! raw   = 0 from the instant on at which a sensor comes off
 //! ```
 //!
-//! A fault counts from the first sample that is not before it. An encoder that is lost from the start
-//! keeps its first count.
+//! A fault counts from the first sample at or after it. An encoder that is lost from the start keeps its first count.
 
 use pneudrive_controller::Sample;
 

@@ -6,10 +6,10 @@
 //! slip-:  friction Fc_retract against v < 0
 //! ```
 //!
-//! A slip ends at the located zero of the velocity; the body then breaks away anew if F is beyond the
-//! static force, else it sticks. This is the limit of the thesis's model for a velocity threshold
-//! C(24) that goes to zero (EQUATIONS section 6, section 11 rule 2). A body without any dry friction
-//! never sticks. Load and spool share this model.
+//! A slip ends at the located zero of the velocity. The body then breaks away again if F is beyond the static force;
+//! otherwise it sticks. This is the limit of the thesis's model as the velocity threshold C(24) goes to zero
+//! (EQUATIONS section 6, section 11 rule 2). A body without dry friction never sticks. Load and spool share this
+//! model.
 
 use super::{Body, FrictionModel, States, keys as load};
 use crate::key::keys;
@@ -64,7 +64,7 @@ pub struct DryFriction {
     pub coulomb_retract: f64,
 }
 
-/// What a body with dry friction is doing.
+/// The motion of a body with dry friction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Contact {
     /// At rest, held.

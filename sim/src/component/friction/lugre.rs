@@ -12,7 +12,7 @@
 //! The source has the thickness h = f (1 - F_c/F_s). K_C v is the load's viscous friction, one of the applied forces F.
 //! With M v' = F - (F_r - K_C v) put in, F_r - K_C v = (M (s_0 z + s_1 z') + K_C T F)/(M + K_C T).
 //!
-//! Bristles hold a body at rest, so that nothing sticks. At constant speed friction comes to g(f_s) + K_C v. Bristles
+//! Bristles hold a body at rest, so nothing sticks. At constant speed the friction becomes g(f_s) + K_C v. Bristles
 //! give no energy while s_1 < K_C F_c/(F_s - F_c) (Barabanov and Ortega, IEEE Trans. Automatic Control 45(4), 2000).
 
 use super::{Body, Contact, DryFriction, FrictionModel, States, keys as load};

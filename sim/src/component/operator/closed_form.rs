@@ -10,8 +10,7 @@
 //! c, s = exp(-a tau) (cos(w tau), sin(w tau) / w),   w^2 = w0^2 - a^2,   tau from the start
 //! ```
 //!
-//! x_h and v_h are what the start differs by from the first three terms; overdamped, c and s are
-//! hyperbolic.
+//! x_h and v_h are the differences of the start from the first three terms. Overdamped, c and s are hyperbolic.
 
 mod first_limit;
 

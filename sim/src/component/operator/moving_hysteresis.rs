@@ -7,9 +7,9 @@
 //! s = play(u)
 //! ```
 //!
-//! Two modes, each with a guard: the branch of the play, and whether the amplifier is at its limit,
-//! where u has a kink. A driven branch ends at du/dt = 0, which asks for r' and so for the flows; a
-//! held one asks for the state alone. Where r or r' jump, rule 3 decides anew.
+//! There are two modes, each with a guard: the branch of the play, and whether the amplifier is at its limit, where u
+//! has a kink. A driven branch ends at du/dt = 0, which needs r' and so the flows. A held branch needs only the
+//! state. Where r or r' jumps, rule 3 decides again.
 
 use crate::component::dither::Dither;
 use crate::component::play::{self, Branch, Motion, Play};

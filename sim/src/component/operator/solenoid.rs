@@ -8,7 +8,7 @@
 //! ```
 //!
 //! X_b makes the null of the +-1 mm signal the middle of the coil's 0 to 2 mm (EQUATIONS section 7).
-//! F_ind is the force of the flow, F_se that of the spool's stops.
+//! F_ind is the flow force, F_se the force of the spool's stops.
 
 mod course;
 mod parameters;

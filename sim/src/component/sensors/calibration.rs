@@ -1,4 +1,4 @@
-//! The errors of scale and offset of the sensors: what they read of a true value, SI.
+//! The errors of scale and offset of the sensors: their readings of a true value, SI.
 //!
 //! ```text
 //! position     x / (1 + e) + o           e: how much longer a count is than the file says
@@ -6,15 +6,15 @@
 //! spool        y (1 + e) + o
 //! ```
 //!
-//! The controller knows none of them. The keys stand with the others of the encoder and the sensors; without errors readings
-//! are true in every bit.
+//! The controller knows none of them. Their keys are among those of the encoder and the sensors. Without errors,
+//! readings are true in every bit.
 
 use crate::key::Typed;
 use crate::keys::{encoder, sensors};
 use crate::values::Rig;
 
-/// What sensors would read at a sample without their noise and quantisation, SI. With a channel skew the second
-/// pressure and the spool are those of a little later than the sample's instant.
+/// The readings of the sensors at a sample without noise and quantisation, SI. With a channel skew the second
+/// pressure and the spool are from slightly after the sample's instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reading {
     /// m.
@@ -25,7 +25,7 @@ pub struct Reading {
     pub spool: f64,
 }
 
-/// What a sensor reads of a true value: a straight line.
+/// A sensor's reading of a true value: a straight line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Line {
     gain: f64,
@@ -78,14 +78,14 @@ impl Calibration {
         Calibration::of(|key| rig.get(key))
     }
 
-    /// Whether the sensors read what is true.
+    /// Whether the readings are true.
     #[must_use]
     pub fn is_exact(&self) -> bool {
         let lines = [self.position, self.pressures[0], self.pressures[1], self.spool];
         lines.iter().all(|line| *line == Line { gain: 1.0, offset: 0.0 })
     }
 
-    /// What the sensors read of true values.
+    /// The sensors' readings of true values.
     #[must_use]
     pub fn read(&self, of: &Reading) -> Reading {
         Reading {

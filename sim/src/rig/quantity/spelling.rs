@@ -2,10 +2,10 @@
 
 use std::fmt::Write;
 
-/// The number at the front of a text, and what follows.
+/// The number at the front of a text, and the rest.
 ///
 /// # Errors
-/// When there is none, or one whose comma may stand between thousands.
+/// When there is none, or its comma may separate thousands.
 pub fn number_and_unit(text: &str) -> Result<(f64, &str), String> {
     let text = text.trim();
     let is_number = |letter: char| letter.is_ascii_digit() || "+-\u{2212}.,eE".contains(letter);
@@ -36,7 +36,7 @@ fn number_of(text: &str) -> Result<Option<f64>, String> {
     Ok(read(&format!("{whole}.{part}")))
 }
 
-/// A unit in plain letters: one of each of the signs that look alike, and the symbol of what is written as a word.
+/// A unit in plain letters: one sign for each group of signs that look alike, and symbols for words.
 pub fn plain(unit: &str) -> String {
     let mut plain = String::new();
     for letter in unit.chars() {

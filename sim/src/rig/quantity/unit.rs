@@ -1,4 +1,4 @@
-//! What a unit is worth.
+//! The value of a unit.
 
 use uom::si::f64::{
     Angle, Energy, Force, Frequency, Length, Mass, Power, Pressure, TemperatureInterval, Time, Volume,
@@ -7,7 +7,7 @@ use uom::si::f64::{
 /// Exponents of length, mass, time, temperature and angle.
 type Dimension = [i32; 5];
 
-/// What a unit is worth in SI, and of which dimension it is.
+/// The value of a unit in SI, and its dimension.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Unit {
     pub factor: f64,
@@ -100,7 +100,7 @@ fn symbol_of(symbol: &str) -> Option<Unit> {
     })
 }
 
-/// The symbol of uom for what people write.
+/// uom's symbol for a common spelling.
 fn usual(symbol: &str) -> &str {
     match symbol {
         "l" => "L",

@@ -4,16 +4,16 @@
 //! g(t + h) >= g + g' h - m h^2 / 2,   m >= -g'' from t to t + h
 //! ```
 //!
-//! The room g to a limit of position or velocity is above zero up to the first root of the parabola: the search goes there,
-//! and on from there. It comes to the limit from before, with the third power of what is left of the way, and passes none
-//! over. Two derivatives in a row are bounded from t on:
+//! The room g to a limit of position or velocity is positive up to the first root of the parabola. The search goes to
+//! that root, and on from there. It approaches the limit from before, with the third power of the remaining way, and
+//! skips none. Two consecutive derivatives are bounded from t on:
 //!
 //! ```text
 //! |y^(n)| <= r,   |y^(n+1)| <= w0 r,   r^2 = y^(n)^2 + (y^(n+1) / w0)^2
 //! ```
 //!
-//! Every derivative of the free part y obeys its equation of motion, whose energy fades; those of the swing have an
-//! amplitude.
+//! Every derivative of the free part y obeys its equation of motion, whose energy decays. The derivatives of the
+//! swing have an amplitude.
 
 use super::{FreeMotion, Parts};
 

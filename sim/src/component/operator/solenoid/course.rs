@@ -1,4 +1,4 @@
-//! The course of a spool as it is known beforehand: until when it is held, or what a flight may meet.
+//! The known course of a spool: until when it is held, or the limits that a flight may meet.
 
 use super::{FRICTION, Magnetism, STOPS, Solenoid};
 use crate::component::friction::Contact;
