@@ -198,7 +198,7 @@ pub struct Simulate {
     /// Skip report.html, which takes longer than most runs
     #[arg(long)]
     pub no_report: bool,
-    /// End with exit code 6 if the drive trips, and with 9 if the run is not converged; all files are written as usual
+    /// End with exit code 6 if the drive trips, and with 9 if the run has not converged; all files are written as usual
     #[arg(long)]
     pub strict: bool,
     /// How to integrate.

@@ -77,5 +77,5 @@ fn a_closed_loop_on_bristles_says_whether_it_is_converged() {
         assert!(off < 1e-5, "{name}: {off} m off, {convergence:?}");
         converged += usize::from(convergence.is_converged());
     }
-    assert!(converged >= 1, "none is converged");
+    assert!(converged >= 1, "none has converged");
 }

@@ -1,4 +1,4 @@
-//! Closed loops drawn at random: a run that says it is converged is the one that a far finer integration gives.
+//! Closed loops drawn at random: a run that says it has converged is the one that a far finer integration gives.
 
 #[path = "drawn/mod.rs"]
 mod drawn;
@@ -22,7 +22,7 @@ fn apart(one: &Run, other: &Run, until: f64) -> f64 {
 struct Judged {
     name: String,
     convergence: Convergence,
-    /// From a run at 1e-12, as far as the run is converged, m.
+    /// From a run at 1e-12, as far as the run has converged, m.
     off: f64,
     /// The same over the whole run.
     off_in_all: f64,

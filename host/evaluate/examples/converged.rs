@@ -1,4 +1,4 @@
-//! How many closed loops drawn at random are converged, whether those that say so are, and what the check of convergence costs: the
+//! How many closed loops drawn at random have converged, whether those that say so are, and what the check of convergence costs: the
 //! table of docs/agreement.md.
 //!
 //! ```text

@@ -304,7 +304,7 @@ impl Transient {
         self.time.iter_mut().chain(self.gaps.as_flattened_mut()).for_each(|time| *time += by);
     }
 
-    /// A channel at `time`, on the straight line between its perturbed runs; None outside the transient.
+    /// A channel at `time`, on the straight line between its samples; None outside the transient.
     #[must_use]
     pub fn at(&self, channel: usize, time: f64) -> Option<f64> {
         self.interpolated(&self.channels[channel], time)

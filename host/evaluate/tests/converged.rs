@@ -1,4 +1,4 @@
-//! A run that says it is converged is the one that a far finer integration by another method gives.
+//! A run that says it has converged is the one that a far finer integration by another method gives.
 
 #[path = "pairs/mod.rs"]
 mod pairs;

@@ -94,7 +94,7 @@ pub struct Rung {
     pub deviations: Vec<Vec<Deviation>>,
     /// The transient.
     pub transient: Transient,
-    /// Whether it is converged.
+    /// Whether it has converged.
     pub convergence: Convergence,
 }
 

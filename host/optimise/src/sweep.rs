@@ -113,7 +113,7 @@ impl Sweep {
     }
 
     /// The columns between those of the axes and the last two: the metrics; of an ensemble the ends of their ranges;
-    /// and whether a point is converged, if it is no draw.
+    /// and whether a point has converged, if it is no draw.
     #[must_use]
     pub fn figure_columns(&self) -> Vec<String> {
         let own = self.metrics.iter().map(|metric| metric.name.clone());
@@ -131,7 +131,7 @@ impl Sweep {
         names.fold(String::from("point"), |line, name| line + "," + &name) + HEADER_END
     }
 
-    /// How exactly a rig is simulated: until it is converged, but for draws, which need not be.
+    /// How exactly a rig is simulated: until it has converged, but for draws, which need not be.
     fn accuracy_for(&self, rig: &Rig) -> Accuracy {
         let usual = if self.is_drawn() { Accuracy::of_draw(rig) } else { Accuracy::of(rig) };
         Accuracy { tolerance: self.tolerance.unwrap_or(usual.tolerance), ..usual }
@@ -160,7 +160,7 @@ impl Sweep {
     }
 }
 
-/// The column that says whether a point is converged.
+/// The column that says whether a point has converged.
 const CONVERGED: &str = "converged";
 
 /// What the columns of the ends of a metric's range have behind its name.

@@ -7,7 +7,7 @@ export function showAlone(element, { figures, fault }) {
   element.replaceChildren(verdict('pending', 'One run', 'its perturbed runs are being computed'), ...tripped(fault), tableOf(figures, true));
 }
 
-/** Shows figures with their ranges over the run and its members, and whether the run is converged. */
+/** Shows figures with their ranges over the run and its members, and whether the run has converged. */
 export function showJudged(element, { figures, notes, converged, remarks }, fault) {
   const [, convergence, ...others] = notes;
   const [word, why] = split(convergence);

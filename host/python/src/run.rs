@@ -32,7 +32,7 @@ use crate::{progress, work};
 pub struct Run {
     rig: Rig,
     judged: Arc<Judged>,
-    /// Whether it was asked if the run is converged.
+    /// Whether it was asked if the run has converged.
     is_judged: bool,
     moves: OnceLock<Vec<Vec<Measured>>>,
 }
@@ -62,7 +62,7 @@ impl Run {
         }
         vec![
             words::summary(&self.rig.rig, &self.judged.run),
-            "one run, and nobody asked whether it is converged: its integration error may have changed an encoder count"
+            "one run, and nobody asked whether it has converged: its integration error may have changed an encoder count"
                 .to_owned(),
         ]
     }
@@ -200,12 +200,12 @@ fn channels(rig: &Rig, judged: &Arc<Judged>) -> Channels {
     })
 }
 
-/// Whether the transient of a run is converged, or the error of its integration chose it.
+/// Whether the transient of a run has converged, or the error of its integration chose it.
 #[pyclass(frozen, get_all, module = "pneudrive")]
 pub struct Converged {
     /// Whether the exact transient is this one.
     is_converged: bool,
-    /// From when on the exact transient may be another one, s; None of a run that is converged.
+    /// From when on the exact transient may be another one, s; None for a run that has converged.
     unconverged_from_s: Option<f64>,
     /// Estimated error of the positions, the largest of the run, m.
     error_m: f64,
@@ -256,7 +256,7 @@ impl Run {
         self.rig.clone()
     }
 
-    /// Whether the run is converged; None if that was not asked.
+    /// Whether the run has converged; None if that was not asked.
     #[getter]
     fn convergence(&self) -> Option<Converged> {
         let convergence = &self.judged.convergence;
@@ -337,7 +337,7 @@ impl Run {
     fn save(&self, py: Python<'_>, folder: PathBuf, overwrite: bool) -> PyResult<u64> {
         if !self.is_judged {
             return Err(PyValueError::new_err(
-                "a run folder tells whether its run is converged; simulate with check_convergence=True",
+                "a run folder tells whether its run has converged; simulate with check_convergence=True",
             ));
         }
         let existing = if overwrite { Existing::Overwrite } else { Existing::Keep };

@@ -69,7 +69,7 @@ def test_a_run_says_whether_it_is_converged(run: Run) -> None:
 def test_a_run_alone_says_what_it_does_not_know(rig: Rig, run: Run) -> None:
     alone = rig.simulate(ensemble=1, check_convergence=False)
     assert alone.convergence is None
-    assert "nobody asked whether it is converged" in alone.notes[1]
+    assert "nobody asked whether it has converged" in alone.notes[1]
     assert alone.band == {}
     figure = alone.moves[-1].ends_at_mm
     assert (figure.runs, figure.least, figure.most) == (1, None, None)

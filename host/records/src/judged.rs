@@ -1,4 +1,4 @@
-//! A run with its perturbed runs, as stored in a run folder: the accuracy of its integration, whether it is converged, and the
+//! A run with its perturbed runs, as stored in a run folder: the accuracy of its integration, whether it has converged, and the
 //! band of the run and its perturbed runs.
 
 use pneudrive_controller::Fault;
@@ -29,7 +29,7 @@ pub struct Judged {
     pub run: Run,
     /// The accuracy of its integration.
     pub accuracy: Accuracy,
-    /// Whether it is converged.
+    /// Whether it has converged.
     pub convergence: Convergence,
     /// The range of the run and its perturbed runs; None without perturbed runs.
     pub band: Option<Band>,

@@ -32,7 +32,7 @@ pub fn convergence(convergence: &Convergence) -> String {
     }
 }
 
-/// A line about a run, one that tells whether it is converged, and one about its perturbed runs.
+/// A line about a run, one that tells whether it has converged, and one about its perturbed runs.
 pub fn run(rig: &Rig, judged: &Judged) -> Vec<String> {
     let lost = judged.band.as_ref().and_then(|_| lost(&judged.lost));
     let members = judged.band.as_ref().map(|_| {

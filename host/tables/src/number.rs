@@ -5,7 +5,7 @@
 //! digits   1234, or in groups of three: 1,234  1.234  1 234  1'234     the sign of the groups is not the decimal sign
 //! ```
 //!
-//! A cell such as `1,234` reads either way. It is converged by the other cells of its column, then by the other columns: a file has
+//! A cell such as `1,234` reads either way. It is decided by the other cells of its column, then by the other columns: a file has
 //! one decimal sign. Where neither decides, the column is refused.
 
 use crate::Problem;
@@ -172,7 +172,7 @@ impl Evidence {
         }
         let mixed = self.plain && self.padded;
         match self.of_file(all, *sign, delimiter) {
-            Some(converged) if !mixed || converged != *sign => Ok(converged),
+            Some(decided) if !mixed || decided != *sign => Ok(decided),
             _ => Err(Problem::new(format!(
                 "line {line}, {name}: {cell:?} may be {} or {}; write the column without signs between thousands, or say decimal = \".\" or \",\" in its table of the map",
                 shown_as(cell, Sign::Dot),

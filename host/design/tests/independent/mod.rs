@@ -53,7 +53,7 @@ fn independent(rig: &Rig, run: &Run) -> Vec<[f64; 4]> {
     String::from_utf8(output.stdout).expect("UTF-8").lines().map(row).collect()
 }
 
-/// How far the independent program is from a run, as far as that is converged.
+/// How far the independent program is from a run, as far as that has converged.
 pub fn apart(rig: &Rig, run: &Run) -> Apart {
     let convergence = check_convergence(rig, Accuracy::of(rig), run).expect("it runs again");
     let until = convergence.unconverged_from_s.unwrap_or(f64::INFINITY);

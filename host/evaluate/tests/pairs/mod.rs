@@ -58,7 +58,7 @@ impl Pair {
         Pair { convergence, apart_m: apart(&own, &run(rig, REFERENCE).expect("a reference")), took }
     }
 
-    /// Whether the run says that it is converged and is off by more than it says.
+    /// Whether the run says that it has converged and is off by more than it says.
     pub fn is_wrong(&self) -> bool {
         self.convergence.is_converged() && self.apart_m > self.convergence.error_m
     }

@@ -26,7 +26,7 @@ pub struct Row {
     pub metrics: Vec<Option<f64>>,
     /// Least and most of each metric over an ensemble, if every run has a value; empty without an ensemble.
     pub ends: Vec<Option<[f64; 2]>>,
-    /// Whether the point is converged; None of a draw, and of one without a run.
+    /// Whether the point has converged; None of a draw, and of one without a run.
     pub converged: Option<bool>,
     /// Name of the fault that ended the run, or "".
     pub fault: String,
@@ -90,7 +90,7 @@ impl Row {
     }
 }
 
-/// A point that is converged, in the result.
+/// A point that has converged, in the result.
 const YES: &str = "yes";
 
 /// And one that is not.

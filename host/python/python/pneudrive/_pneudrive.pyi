@@ -140,7 +140,7 @@ class Rig:
 
 @final
 class Converged:
-    """Whether the transient of a run is converged, or the error of its integration chose it."""
+    """Whether the transient of a run has converged, or the error of its integration chose it."""
 
     @property
     def is_converged(self) -> bool: ...

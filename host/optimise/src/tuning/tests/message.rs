@@ -38,7 +38,7 @@ fn tuned(after: Found, without: &[(&'static str, Found)]) -> Tuned {
 }
 
 #[test]
-fn the_verdict_says_the_fresh_draws_first_and_what_is_not_converged() {
+fn the_verdict_says_the_fresh_draws_first_and_what_cannot_be_decided() {
     let task = Task { goal: GOAL, ..task("servo-b", &[]) };
     let notes = |tuned: &Tuned| report::notes(&task, tuned).join("\n");
     let message =
@@ -49,7 +49,7 @@ fn the_verdict_says_the_fresh_draws_first_and_what_is_not_converged() {
     );
     assert!(message.contains("in 3 of 3 trials that the gains were tuned on"), "{message}");
     assert!(
-        message.contains("is not converged: it and its perturbed runs") && message.contains("in 5 of 8 runs"),
+        message.contains("cannot be decided: it and its perturbed runs") && message.contains("in 5 of 8 runs"),
         "{message}"
     );
     assert!(
