@@ -22,7 +22,7 @@
 //! | [`instance`] | a model in the states of the standard: what may be asked of it when |
 //! | [`description`] | modelDescription.xml |
 //! | [`archive`] | the FMU as a file |
-//! | [`c_api`] | the functions of the standard: the only unsafe code of the project on the PC |
+//! | [`c_api`] | the functions of the standard, with unsafe code: pointers of a program in C |
 
 pub mod archive;
 pub mod c_api;
