@@ -5,18 +5,18 @@ use pneudrive_controller::{Command, Config, Sample};
 
 use crate::store::Store;
 
-/// A board: sensors, drive stage, clocks and what it keeps. Pins, buses and interrupts stay behind it.
+/// A board: sensors, drive stage, clocks and its store. Pins, buses and interrupts stay inside it.
 pub trait Board {
-    /// What it keeps through a reset.
+    /// The type of its store.
     type Store: Store;
 
-    /// What it keeps through a reset.
+    /// The data that it keeps through a reset.
     fn store(&mut self) -> &mut Self::Store;
 
     /// Kind of board, at most 32 bytes.
     fn name(&self) -> &str;
 
-    /// What was built from which sources, at most 32 bytes.
+    /// The build and its sources, at most 32 bytes.
     fn build(&self) -> &'static str;
 
     /// Latches the encoder, then converts pressures and spool. Positive position means extension:
@@ -67,12 +67,12 @@ pub trait Board {
         self.starts_referenced()
     }
 
-    /// Keeps where the spool of a stepper valve is, in memory that a reset leaves as it is. Called in the control
-    /// interrupt, before each pulse and while there is none.
+    /// Keeps the spool location of a stepper valve in memory that a reset leaves as it is. The control interrupt
+    /// calls this before each pulse, and while there is none.
     fn keep_spool(&mut self, _: SpoolLocation) {}
 
-    /// What was kept of the spool before the reset; None if nothing was, or it cannot be read. That of a simulated
-    /// valve is at mid-travel after a reset.
+    /// The spool location kept before the reset; None if there is none, or it cannot be read. The spool of a
+    /// simulated valve is at mid-travel after a reset.
     fn kept_spool(&self) -> Option<SpoolLocation> {
         self.starts_referenced().then(SpoolLocation::default)
     }

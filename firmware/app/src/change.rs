@@ -19,7 +19,7 @@ impl Parts {
     /// Takes a part. One that begins at byte 0 begins a new change, unless it is the first part of this one again.
     ///
     /// # Errors
-    /// When a part before it is missing, or the change is too long; what has come stays as it is.
+    /// When an earlier part is missing, or the change is too long; the parts received so far stay.
     pub fn add(&mut self, crc32: u32, first: u16, part: &[u8]) -> Result<(), NotWhole> {
         let first = usize::from(first);
         let end = first.saturating_add(part.len());
@@ -44,7 +44,7 @@ impl Parts {
         if is_whole { Ok(&self.bytes) } else { Err(NotWhole) }
     }
 
-    /// Forgets what has come.
+    /// Forgets the parts received so far.
     pub fn clear(&mut self) {
         self.bytes.clear();
         self.crc32 = 0;

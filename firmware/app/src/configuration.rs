@@ -11,19 +11,19 @@ use crate::store::{NotStored, Store};
 /// Where the parameters come from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Source {
-    /// None were ever stored: the thesis's, or what was set since.
+    /// None were ever stored: the thesis's parameters, or those set since.
     #[default]
     NeverSaved,
     /// As stored.
     Stored,
     /// Stored by another version of the firmware, and taken over.
     TakenOver,
-    /// What was stored is damaged, or does not go together.
+    /// The stored ones are damaged or contradict each other.
     Damaged,
 }
 
-/// Parameters that go together, what the law makes of them, and their fingerprint. Making one takes tens of thousands of
-/// instructions, putting it in force few. By default the thesis's.
+/// Parameters that fit together, the controller's configuration from them, and their fingerprint. Making one takes
+/// tens of thousands of instructions, putting it in force few. By default the thesis's.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Prepared {
     parameters: Parameters,
@@ -50,7 +50,7 @@ impl Prepared {
         &self.parameters
     }
 
-    /// What the law runs on.
+    /// The controller's configuration.
     #[must_use]
     pub fn config(&self) -> &Config {
         &self.config
@@ -73,19 +73,19 @@ pub struct Configuration {
     /// The records are not those that were saved last.
     records_changed: bool,
     source: Source,
-    /// Saves so far, and the fingerprint of what was saved last.
+    /// The number of saves, and the fingerprint of the last one.
     saves: u32,
     saved_hash: Option<u32>,
     ignored: u16,
-    /// What was learned since is to be stored once the drive rests, if it is worth it.
+    /// The learned null offset is to be stored once the drive rests, if it is worth it.
     learned: bool,
     /// The null offset that was saved last, counts or steps.
     saved_null: i16,
 }
 
 impl Configuration {
-    /// Takes up what is stored, after a reset. False when it is lost: the thesis's parameters are in force
-    /// then, and the drive must not run on them.
+    /// Loads the stored configuration after a reset. Returns false if it is lost: the thesis's parameters are in
+    /// force then, and the drive must not run on them.
     #[cold]
     #[inline(never)]
     pub fn take_up(&mut self, store: &mut impl Store) -> bool {
@@ -124,8 +124,8 @@ impl Configuration {
         self.records = records;
     }
 
-    /// Puts the null offset in force that the drive has learned: that of these parameters, which otherwise are those in
-    /// force. Where those before them were stored, these will be, too ([`Configuration::save_learned`]).
+    /// Puts the learned null offset in force: these parameters otherwise equal those in force. If the earlier ones
+    /// were stored, these will be, too ([`Configuration::save_learned`]).
     pub fn learn(&mut self, learned: &Prepared) {
         self.learned |= self.is_saved();
         // A copy of the whole would keep the control interrupt waiting.
@@ -137,8 +137,9 @@ impl Configuration {
         }
     }
 
-    /// Stores what was learned since the last save, if the null has moved by a 512th of the largest command at least: each
-    /// save wears the flash. It is tried once: what cannot be stored is learned again after the next reset.
+    /// Stores the learned null offset if it has moved by at least a 512th of the largest command since the last save,
+    /// because each save wears the flash. It is tried once: an offset that cannot be stored is learned again after
+    /// the next reset.
     ///
     /// # Errors
     /// As for [`Configuration::save`].
@@ -157,7 +158,7 @@ impl Configuration {
     /// Stores parameters and move records for the next reset.
     ///
     /// # Errors
-    /// When they are not stored; what was stored before is whole then.
+    /// When they are not stored; the earlier save is intact then.
     #[cold]
     #[inline(never)]
     pub fn save(&mut self, store: &mut impl Store) -> Result<(), NotStored> {
@@ -171,13 +172,13 @@ impl Configuration {
         Ok(())
     }
 
-    /// Whether what was stored is lost, and nothing was stored since.
+    /// Whether the stored configuration is lost and nothing was stored since.
     #[must_use]
     pub fn is_lost(&self) -> bool {
         self.source == Source::Damaged
     }
 
-    /// Whether parameters and move records are those that the next reset will take up, but for what was learned since.
+    /// Whether the next reset would load these parameters and move records, apart from the learned null offset.
     #[must_use]
     pub fn is_saved(&self) -> bool {
         (self.learned || self.saved_hash == Some(self.hash())) && !self.records_changed
@@ -195,7 +196,7 @@ impl Configuration {
         &self.in_force.parameters
     }
 
-    /// What the law runs on.
+    /// The controller's configuration.
     #[must_use]
     pub fn config(&self) -> &Config {
         &self.in_force.config

@@ -29,8 +29,8 @@ use crate::timing::Clock;
 /// a microcontroller has no room to make it on the stack. By default: disarmed, with the thesis's
 /// parameters and no test.
 ///
-/// In this order: what a sample needs lies within reach of one load from the front, which the long lists of moves and
-/// samples would move it out of.
+/// The order matters: the data that a sample needs lie within reach of one load from the front. The long lists of
+/// moves and samples would move them out of reach.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 #[repr(C)]
 pub struct Control<R = Recorder> {
@@ -68,9 +68,9 @@ impl<R: BorrowMut<Recorder>> Control<R> {
         }
     }
 
-    /// Takes up what the board has kept, after a reset. A configuration that is lost is a fault: the drive
-    /// is not armed before one is stored again. A stepper's spool that was not at mid-travel has to be sought; with an
-    /// absolute encoder the axis is homed.
+    /// Loads the board's store after a reset. A lost configuration is a fault: the drive cannot be armed before one
+    /// is stored again. A stepper's spool that was not at mid-travel has to be sought. With an absolute encoder the
+    /// axis is homed.
     pub fn take_up(&mut self, board: &mut impl Board) {
         self.state.take_up_spool(board.kept_spool());
         if !self.configuration.take_up(board.store()) {
@@ -92,8 +92,8 @@ impl<R: BorrowMut<Recorder>> Control<R> {
         self.parameters().absolute_zero().filter(|_| self.may_know_position)
     }
 
-    /// What waits for idle time: settles the timing, and stores what was logged and learned once the drive rests.
-    /// The board calls it from where the port is served.
+    /// The work for idle time: settles the timing, and stores logged faults and the learned null once the drive
+    /// rests. The board calls it where it serves the port.
     ///
     /// # Errors
     /// When the flash does not take it.
@@ -147,8 +147,8 @@ impl<R: BorrowMut<Recorder>> Control<R> {
         self.clock.output(board.now_us() as u32);
     }
 
-    /// Gives the present sample to the recorder, once, by what the mode was when it was taken: requests
-    /// come between a sample and its output. Those after which the state forgets the sample call this first.
+    /// Gives the present sample to the recorder, once, by the mode in which it was taken: requests come between a
+    /// sample and its output. Requests after which the state forgets the sample call this first.
     #[inline(always)]
     fn record(&mut self) {
         let seen = self.state.observation();
@@ -199,8 +199,8 @@ impl<R: BorrowMut<Recorder>> Control<R> {
         self.clock.spreads()
     }
 
-    /// What the control interrupt leaves to who is idle before the next sample: takes the times of the last one into
-    /// their histograms, and works out the next setpoint of a profile.
+    /// The work that the control interrupt leaves to the idle task before the next sample: takes the times of the
+    /// last sample into their histograms, and computes the next setpoint of a profile.
     pub fn settle_timing(&mut self) {
         let config = self.configuration.config();
         self.clock.settle(&config.timing);
@@ -213,7 +213,7 @@ impl<R: BorrowMut<Recorder>> Control<R> {
         &self.state
     }
 
-    /// What the law runs on.
+    /// The controller's configuration.
     #[must_use]
     pub fn config(&self) -> &Config {
         self.configuration.config()
@@ -225,7 +225,7 @@ impl<R: BorrowMut<Recorder>> Control<R> {
         &self.configuration
     }
 
-    /// The digital inputs and outputs, and what the inputs have begun.
+    /// The digital inputs and outputs, and the state of the inputs' last order.
     #[must_use]
     pub fn selector(&self) -> &Selector {
         &self.selector

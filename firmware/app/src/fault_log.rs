@@ -41,7 +41,7 @@ pub const MEMORY_BYTES: usize = BOOT_BYTES + EVENTS * PLACE_BYTES;
 /// stand in it.
 pub type Memory = [u8; MEMORY_BYTES];
 
-/// What the memory held after a reset.
+/// The contents of the memory after a reset.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Recovery {
     /// Nothing that can be read: the power was off, or the memory is damaged. The log starts empty.
@@ -55,14 +55,14 @@ pub enum Recovery {
     },
 }
 
-/// What the flash held after a reset.
+/// The contents of the flash after a reset.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Restored {
     /// No log was ever flushed whole.
     NeverSaved,
     /// The memory had events of its own, and they stay.
     NotNeeded,
-    /// So many events came from flash.
+    /// This many events came from flash.
     Events(usize),
     /// There was a log, and no copy of it can be read.
     Damaged,
@@ -93,7 +93,7 @@ pub struct FaultLog<M> {
     memory: M,
     boot: u32,
     next: u32,
-    /// Places that hold a whole event, a bit each: what is read after this was made is not checked again.
+    /// Places that hold a whole event, one bit each. Places read after this was made are not checked again.
     whole: u128,
     /// The newest event in flash.
     flushed: Option<Event>,
@@ -102,7 +102,7 @@ pub struct FaultLog<M> {
 }
 
 impl<M: BorrowMut<Memory>> FaultLog<M> {
-    /// Takes the log up again after a reset, with what in the memory is whole, and counts the reset.
+    /// Takes the log up again after a reset, with everything whole in the memory, and counts the reset.
     #[cold]
     #[inline(never)]
     pub fn recover(memory: M) -> (Self, Recovery) {
@@ -125,8 +125,8 @@ impl<M: BorrowMut<Memory>> FaultLog<M> {
         self.memory
     }
 
-    /// Takes over what was flushed, if the memory holds no event. Once after a reset, before the first
-    /// event: numbers go on from those in flash.
+    /// Takes over the flushed events if the memory holds none. Call it once after a reset, before the first event:
+    /// numbers continue from those in flash.
     #[cold]
     #[inline(never)]
     pub fn restore<F: ReadNorFlash>(&mut self, store: &FaultStore, flash: &mut F) -> Restored {
@@ -243,7 +243,7 @@ impl<M: BorrowMut<Memory>> FaultLog<M> {
     /// no more room it erases a slot, and takes as long as that takes.
     ///
     /// # Errors
-    /// When the flash refuses or does not hold what was written. The log flushed before is whole then.
+    /// When the flash refuses or does not hold the written data. The log flushed before is intact then.
     #[cold]
     #[inline(never)]
     pub fn flush<F: NorFlash>(
@@ -288,12 +288,12 @@ impl<M: BorrowMut<Memory>> FaultLog<M> {
         Ok(())
     }
 
-    /// Counts this boot in flash, and tells its number: more than that of any boot that was counted before. Once after
-    /// [`FaultLog::restore`]. It writes one mark; only where the marks have no more room, it saves the log anew, which erases
-    /// a slot.
+    /// Counts this boot in flash and returns its number, larger than that of any boot counted before. Call it once
+    /// after [`FaultLog::restore`]. It writes one mark. Only when there is no room for marks does it save the log
+    /// anew, which erases a slot.
     ///
     /// # Errors
-    /// When the flash refuses or does not hold what was written. The number may be that of an earlier boot then.
+    /// When the flash refuses or does not hold the written data. The number may then be that of an earlier boot.
     #[cold]
     #[inline(never)]
     pub fn count_boot<F: NorFlash>(
@@ -414,7 +414,7 @@ fn whole_event(place: &[u8; PLACE_BYTES]) -> Option<Event> {
     (rest == crc(bytes).to_le_bytes()).then(|| Event::from_bytes(bytes))
 }
 
-/// CRC-32 over magic and format, then the bytes: another program's memory is not mistaken for this one's.
+/// CRC-32 over magic and format, then the bytes, so that another program's memory is not mistaken for this one's.
 fn crc(bytes: &[u8]) -> u32 {
     let mut crc = RecordCrc::new();
     crc.update(&MAGIC);

@@ -8,7 +8,7 @@
 /// The answer to a write or an erase that was carried out.
 pub const DONE: u8 = 1;
 
-/// What is asked of the flash.
+/// A request to the flash.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Operation {
     /// The bytes as they are.
@@ -22,7 +22,7 @@ pub enum Operation {
 /// One operation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Request {
-    /// What is to be done.
+    /// The operation.
     pub operation: Operation,
     /// Where, bytes from the start of the flash.
     pub offset: u32,

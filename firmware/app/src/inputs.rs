@@ -4,8 +4,8 @@
 use crate::configuration::Prepared;
 use crate::shared_drive::SharedDrive;
 
-/// Looks at the inputs, does what they want and drives the outputs: once a sample, from the idle task. In pieces, as a
-/// request: what the last run has learned is prepared in between.
+/// Reads the inputs, carries out their orders and drives the outputs: once a sample, from the idle task. It works in
+/// pieces, like a request: the learned null offset of the last run is prepared in between.
 pub fn attend(drive: &mut impl SharedDrive) {
     if !drive.lock(|control, board| control.heed_inputs(board)) {
         return;

@@ -25,7 +25,7 @@ pub fn pattern(mode: Mode, configuration_is_lost: bool) -> u16 {
     }
 }
 
-/// Whether a pattern is lit so many microseconds after its beginning.
+/// Whether a pattern is lit this many microseconds after its beginning.
 #[must_use]
 pub fn is_lit(pattern: u16, time_us: u32) -> bool {
     pattern >> (time_us >> SLOT_BITS & 15) & 1 == 1

@@ -57,7 +57,7 @@ pub use server::Server;
 pub use shared_drive::SharedDrive;
 pub use store::Store;
 
-/// What was built from which sources: the version, and the commit where it is known.
+/// The build and its sources: the version, and the commit if it is known.
 pub const BUILD: &str = env!("PNEUDRIVE_BUILD");
 
 /// Both halves, for boards that run them from one thread.

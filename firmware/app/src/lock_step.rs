@@ -11,7 +11,7 @@ use crate::plant_bus::{Inputs, Next, Outputs, Tempo, Ticks};
 use crate::recorder::Recorder;
 use crate::store::Store;
 
-/// A counter that tells what work takes.
+/// A counter that measures work.
 pub trait Stopwatch {
     /// The counter.
     fn now(&self) -> u32;
@@ -20,8 +20,8 @@ pub trait Stopwatch {
     fn since(&self, reading: u32) -> u32;
 }
 
-/// One sample and its output, and the ticks that each took: inputs and outputs of the bus are outside. Not
-/// inlined: what it costs to call them does not depend on what else an image does.
+/// One sample and its output, and the ticks that each took, without inputs and outputs of the bus. Not inlined, so
+/// that the cost of the calls does not depend on the rest of an image.
 #[inline(never)]
 pub fn run_control<S: Store>(
     control: &mut Control<impl BorrowMut<Recorder>>,
@@ -51,13 +51,13 @@ pub struct LockStep<S> {
     begin: Option<Next>,
     /// Microseconds since the reset; with the lateness of a sample, until its outputs go.
     now_us: u64,
-    /// Those without it in whole milliseconds, and what is over: there is no instruction that divides 64 bits.
+    /// The same without the lateness, as whole milliseconds, and the remainder: no instruction divides 64 bits.
     now_ms: u64,
     rest_us: u32,
 }
 
 impl<S: Store> LockStep<S> {
-    /// A board of this name, with what it keeps.
+    /// A board of this name, with its store.
     pub fn new(name: &'static str, store: S) -> LockStep<S> {
         LockStep {
             name,
@@ -80,14 +80,14 @@ impl<S: Store> LockStep<S> {
         LockStep { has_watchdog: true, ..self }
     }
 
-    /// Takes what the plant has sent.
+    /// Takes the plant's answer.
     pub fn latch(&mut self, inputs: &Inputs, tempo: Tempo) {
         self.sample = inputs.sample;
         self.tempo = tempo;
         self.now_us += u64::from(tempo.late_us);
     }
 
-    /// Time goes on, to the output or to the next sample.
+    /// Advances the time to the output or to the next sample.
     pub fn passes(&mut self, time_us: u32) {
         let rest_us = self.rest_us.saturating_add(time_us);
         self.now_us += u64::from(time_us);
@@ -95,7 +95,7 @@ impl<S: Store> LockStep<S> {
         self.rest_us = rest_us % 1000;
     }
 
-    /// What goes to the plant after an output and the requests that have come since.
+    /// The data for the plant after an output and the requests since.
     pub fn outputs(
         &mut self,
         control: &Control<impl BorrowMut<Recorder>>,
@@ -109,14 +109,14 @@ impl<S: Store> LockStep<S> {
         Outputs { command: self.command, next, ticks }
     }
 
-    /// What goes to the plant instead of a sample's outputs where a run was started after those had gone: the
-    /// inputs that they asked for are those of the plant before. None otherwise.
+    /// The data for the plant instead of a sample's outputs, if a run was started after those had gone: their inputs
+    /// belong to the plant before the start. None otherwise.
     pub fn begins(&mut self) -> Option<Outputs> {
         let next = self.begin.take()?;
         Some(Outputs { command: self.command, next, ticks: Ticks::default() })
     }
 
-    /// What becomes of the plant in the mode that a sample has led to.
+    /// The plant's next action in the mode after a sample.
     #[must_use]
     pub fn next(mode: Mode) -> Next {
         match mode {

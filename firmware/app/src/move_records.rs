@@ -29,10 +29,10 @@ const FIRST_ID: u16 = 0x8000;
 /// The most pairs that a table takes.
 pub const MAX_PAIRS: usize = PLACES * WORDS;
 
-/// What is in an empty place.
+/// The contents of an empty place.
 const NOTHING: ProfiledMove = ProfiledMove { at_sample: 0, target: 0, kind: NO_MOVE, numbers: [0; 6] };
 
-/// A move that is begun by its number.
+/// A move that is started by its number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MoveRecord {
     /// Target, counts, and profile; from the first sample on.
@@ -41,7 +41,7 @@ pub struct MoveRecord {
     pub dwell: u32,
 }
 
-/// There is no record of this number, or its profile is none.
+/// There is no record of this number, or its profile is invalid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct NoRecord;
 
@@ -73,7 +73,7 @@ impl MoveRecords {
     /// Puts a record as it travels, or removes one.
     ///
     /// # Errors
-    /// For a number that the table does not have, and a profile that is none.
+    /// For a number that the table does not have, or an invalid profile.
     pub fn put(&mut self, number: u8, told: ProfiledMove) -> Result<(), NoRecord> {
         let slot = usize::from(number).checked_sub(1).and_then(|place| self.0.get_mut(place));
         let slot = slot.ok_or(NoRecord)?;
@@ -99,7 +99,7 @@ impl MoveRecords {
         })
     }
 
-    /// Takes a pair. False if it is none of a record.
+    /// Takes a pair. Returns false if it does not belong to a record.
     pub(crate) fn take(&mut self, id: u16, value: i32) -> bool {
         let Some(nth) = id.checked_sub(FIRST_ID + 16) else { return false };
         let (place, word, value) = (usize::from(nth / 16), usize::from(nth % 16), value.cast_unsigned());
@@ -123,7 +123,7 @@ impl MoveRecords {
         true
     }
 
-    /// Removes what has no profile that this firmware knows, and tells how many there were.
+    /// Removes records with a profile that this firmware does not know. Returns how many there were.
     pub(crate) fn sift(&mut self) -> u16 {
         let mut removed = 0;
         for told in &mut self.0 {

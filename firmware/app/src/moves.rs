@@ -25,7 +25,7 @@ pub fn told(next: &Move) -> ProfiledMove {
     ProfiledMove { at_sample, target, kind, numbers }
 }
 
-/// The move that has travelled; None for a kind that this version does not know, and for a ramp that is none.
+/// The move that was received; None for a kind that this version does not know, and for an invalid ramp.
 #[must_use]
 #[inline(never)] // One copy of it.
 pub fn meant(told: &ProfiledMove) -> Option<Move> {

@@ -24,10 +24,10 @@ use pneudrive_protocol::{Presence, RequestBody, session};
 
 use crate::name::cut;
 
-/// What a host calls itself.
+/// The name of a host.
 pub type HostName = heapless::String<{ session::HOST_BYTES }>;
 
-/// What a request needs of its host.
+/// A request's need of its host.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Need {
     /// Nothing: it reads, or it stops the drive.
@@ -39,7 +39,7 @@ pub enum Need {
 }
 
 impl Need {
-    /// What this request needs.
+    /// The need of this request.
     #[must_use]
     pub fn of(body: &RequestBody<'_>) -> Need {
         use RequestBody as Body;
@@ -80,12 +80,12 @@ impl Need {
     }
 }
 
-/// Who asks to own the drive.
+/// The host that asks to own the drive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Asker<'a> {
     /// Its session.
     pub session: u32,
-    /// What it calls itself.
+    /// Its name.
     pub host: &'a str,
     /// The number of the request in which it asks; None for one that sends none.
     pub sequence: Option<u16>,
@@ -133,12 +133,12 @@ impl Ownership {
         self.lapsed
     }
 
-    /// The owner is heard, whoever it is.
+    /// The owner is heard.
     pub fn refresh(&mut self, now_ms: Option<u64>) {
         self.heard_ms = now_ms;
     }
 
-    /// The session says that it leaves; that of another one changes nothing.
+    /// The session leaves. A message of another session changes nothing.
     pub fn leave(&mut self, session: u32) {
         self.left |= session == self.session;
     }
@@ -170,7 +170,7 @@ impl Ownership {
         }
     }
 
-    /// Whether a session may do what has this need, with the owner present or not.
+    /// Whether a session may make a request with this need, with the owner present or not.
     #[must_use]
     pub fn allows(&self, session: u32, need: Need, presence: Presence) -> bool {
         let owns = session == self.session && presence == Presence::There;
@@ -193,7 +193,7 @@ impl Ownership {
         self.session
     }
 
-    /// What the owner calls itself.
+    /// The owner's name.
     #[must_use]
     pub fn host(&self) -> &str {
         self.host.as_str()

@@ -34,7 +34,7 @@ pub const VERSION: u8 = 1;
 /// The first bytes in either direction.
 pub const HELLO: [u8; 4] = [b'P', b'N', b'B', VERSION];
 
-/// What the plant does before it gives the next sample.
+/// The plant's action before it gives the next sample.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Next {
     /// It stays as it is: no run is on.
@@ -53,7 +53,7 @@ pub enum Next {
     },
 }
 
-/// What one sample has cost, in ticks of whatever counter the board has.
+/// The cost of one sample, in ticks of the board's counter.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Ticks {
     /// Of `Control::on_sample`.
@@ -65,11 +65,11 @@ pub struct Ticks {
 /// From the board to the plant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Outputs {
-    /// What the drive stage does from the output of the sample before on.
+    /// The action of the drive stage from the output of the sample before on.
     pub command: Command,
-    /// What becomes of the plant.
+    /// The plant's action.
     pub next: Next,
-    /// What the sample before has cost.
+    /// The cost of the sample before.
     pub ticks: Ticks,
 }
 
@@ -141,7 +141,7 @@ pub fn with_request_ticks(outputs: &mut [u8; Outputs::BYTES], ticks: u32) {
     (*t0, *t1, *t2) = (b0, b1, b2);
 }
 
-/// What outputs that have come say of it.
+/// The action in outputs that have arrived.
 #[must_use]
 pub fn request_ticks(outputs: &[u8; Outputs::BYTES]) -> u32 {
     let [_, _, _, _, _, t0, t1, t2, ..] = *outputs;
@@ -189,11 +189,10 @@ impl Inputs {
     }
 }
 
-/// How time goes on, which the plant says beside the sensors.
+/// The course of time, which the plant reports beside the sensors.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Tempo {
-    /// By the board's clock, the sample comes so much after its instant, microseconds: up to 4080, in steps
-    /// of 16.
+    /// By the board's clock the sample comes this much after its instant, microseconds: up to 4080, in steps of 16.
     pub late_us: u16,
     /// The board's clock keeps step with the wall clock: silence of the host means something.
     pub in_step: bool,
@@ -213,7 +212,7 @@ impl Tempo {
         *late = (self.late_us / LATE_STEP_US).min(u16::from(u8::MAX)) as u8;
     }
 
-    /// That of inputs that have come.
+    /// The tempo in inputs that have arrived.
     #[must_use]
     pub fn of(inputs: &[u8; Inputs::BYTES]) -> Tempo {
         let [.., flags, late] = inputs;

@@ -22,16 +22,16 @@ use crate::store::Store;
 /// How long an answer may take, milliseconds.
 pub const PATIENCE_MS: u32 = 200;
 
-/// What carries the bus: the board says something and gets an answer of a known length.
+/// The line of the bus: the board sends a message and gets an answer of a known length.
 pub trait Line {
-    /// Says something, and forgets what has come before. So many bytes will be the answer.
+    /// Sends a message, and forgets everything received before. The answer will have this many bytes.
     fn ask<const N: usize>(&mut self, bytes: [u8; N], answer_bytes: usize);
 
     /// The answer, once it has come whole and without an error on the line.
     fn answer<const N: usize>(&mut self) -> Option<[u8; N]>;
 }
 
-/// What the board waits for.
+/// The state of the board's end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Awaited {
     Hello,
@@ -48,7 +48,7 @@ pub struct PlantLink<L> {
 }
 
 impl<L: Line> PlantLink<L> {
-    /// Begins to greet. The stopwatch counts so many ticks a millisecond.
+    /// Begins to send greetings. The stopwatch counts this many ticks a millisecond.
     pub fn new(line: L, ticks_per_ms: u32, stopwatch: &impl Stopwatch) -> PlantLink<L> {
         let patience = ticks_per_ms.saturating_mul(PATIENCE_MS);
         let mut link = PlantLink { line, awaited: Awaited::Hello, asked: 0, patience };
@@ -56,7 +56,7 @@ impl<L: Line> PlantLink<L> {
         link
     }
 
-    /// Takes the plant's answer, if it has come: whoever the line calls does this.
+    /// Takes the plant's answer, if it has come. The line's interrupt calls this.
     pub fn attend<S: Store>(
         &mut self,
         control: &mut Control<impl BorrowMut<Recorder>>,
@@ -74,7 +74,7 @@ impl<L: Line> PlantLink<L> {
         self.ask(Awaited::Inputs, outputs.to_bytes(), Inputs::BYTES, stopwatch);
     }
 
-    /// Looks whether the plant has fallen silent; whoever is idle does this, again and again.
+    /// Checks whether the plant has fallen silent. The idle task calls this repeatedly.
     pub fn watch<S: Store>(
         &mut self,
         control: &mut Control<impl BorrowMut<Recorder>>,
@@ -108,7 +108,7 @@ impl<L: Line> PlantLink<L> {
     }
 }
 
-/// The sample that has come, and what it leads to.
+/// The sample that has come, and its consequences.
 fn sampled<S: Store>(
     bytes: [u8; Inputs::BYTES],
     control: &mut Control<impl BorrowMut<Recorder>>,

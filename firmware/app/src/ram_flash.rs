@@ -31,7 +31,7 @@ impl Default for RamFlash {
 }
 
 impl RamFlash {
-    /// What is where in it.
+    /// Its contents.
     #[must_use]
     pub fn layout() -> Layout {
         let sector = |n: u32| n * SECTOR as u32..(n + 1) * SECTOR as u32;

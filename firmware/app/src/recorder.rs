@@ -13,7 +13,7 @@ pub const CAPACITY: usize = 4389;
 /// Most samples from before the start.
 pub const MAX_PRE_TRIGGER: u16 = 2000;
 
-/// What is recorded, and streamed, of a sample: its six channels, the error limited to 16 bits.
+/// The recorded and streamed data of a sample: its six channels, the error limited to 16 bits.
 #[inline]
 #[must_use]
 pub fn recorded(seen: &Observation) -> RecordedSample {
@@ -24,7 +24,7 @@ pub fn recorded(seen: &Observation) -> RecordedSample {
 
 type Stored = [u8; RecordedSample::BYTES];
 
-/// The buffer and where it stands.
+/// The buffer and its state.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Recorder {
     /// Flat: zeros in one piece are made where they stay.
@@ -37,7 +37,7 @@ pub struct Recorder {
     ringed: usize,
     /// Samples seen since the last one that was put into the ring.
     since_ringed: u32,
-    /// Samples stored behind the ring since the start.
+    /// Samples stored after the ring since the start.
     stored: usize,
     /// Index of the oldest stored sample.
     first_index: i32,
@@ -74,7 +74,7 @@ impl Recorder {
         }
     }
 
-    /// Forgets what is stored.
+    /// Forgets the stored samples.
     pub fn empty(&mut self) {
         self.arm(1, 0);
     }

@@ -24,7 +24,7 @@ pub use pneudrive_protocol::io::{input, output};
 /// The inputs without which nothing begins.
 const BOTH: u8 = input::RUN | input::ENABLE;
 
-/// What the inputs have begun.
+/// The inputs' last order.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum Phase {
     /// Nothing, or it has ended.
@@ -47,7 +47,7 @@ struct Pending {
     waited_us: u32,
 }
 
-/// What a reading makes of the inputs.
+/// The result of a reading.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Taken {
     /// Acknowledge has gone on.
@@ -58,7 +58,7 @@ pub(crate) struct Taken {
     pub unsettled: bool,
 }
 
-/// What the inputs were, and what they have begun.
+/// The state of the inputs, and their last order.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Selector {
     /// As last read, and for how long, up to the time after which they count.
@@ -119,7 +119,7 @@ impl Selector {
         self.outputs
     }
 
-    /// The number that was begun last.
+    /// The number that was started last.
     #[must_use]
     pub fn number(&self) -> u8 {
         self.number
@@ -155,7 +155,7 @@ impl Selector {
         Taken { acknowledges: rising & input::ACKNOWLEDGE != 0, ..settled }
     }
 
-    /// What has become of a start that has counted.
+    /// The outcome of a start that has counted.
     fn settle(&mut self, period_us: u32, settling_ms: u32) -> Taken {
         let Some(pending) = &mut self.pending else { return Taken::default() };
         if self.read & !input::ACKNOWLEDGE != pending.inputs {
@@ -176,7 +176,7 @@ impl Selector {
         self.stopped = true;
     }
 
-    /// Notes whether the drive has tripped by now: what was acknowledged or started before a trip is not meant for it.
+    /// Notes whether the drive has tripped. Acknowledgements and starts from before a trip are not meant for it.
     pub(crate) fn notice(&mut self, tripped: bool) {
         if tripped && !self.tripped {
             self.withdraw();
@@ -184,7 +184,7 @@ impl Selector {
         self.tripped = tripped;
     }
 
-    /// The drive is armed: what was acknowledged of its fault is used up.
+    /// The drive is armed, which uses up the acknowledgement of its fault.
     pub(crate) fn leave_fault(&mut self) {
         (self.acknowledged, self.tripped) = (false, false);
     }
@@ -241,13 +241,13 @@ mod tests {
         Timing { period_us, input_debounce_ms: 3, input_settling_ms: 4, ..timing }
     }
 
-    /// What is taken of readings, each so many milliseconds long.
+    /// The orders from readings, each this many milliseconds long.
     fn taken(selector: &mut Selector, readings: &[(u8, usize)]) -> Vec<Taken> {
         let each = readings.iter().flat_map(|&(read, ms)| std::iter::repeat_n(read, ms));
         each.map(|read| selector.take(read, &timing())).collect()
     }
 
-    /// The numbers that are started by readings, each so many milliseconds long.
+    /// The numbers that readings start, each this many milliseconds long.
     fn started(readings: &[(u8, usize)]) -> Vec<u8> {
         taken(&mut Selector::default(), readings).iter().filter_map(|taken| taken.starts).collect()
     }

@@ -45,7 +45,7 @@ pub struct Server {
     session: u32,
 }
 
-/// What goes on over more than one request.
+/// Work that takes more than one request.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
 struct Talk {
     stream: Stream,
@@ -61,7 +61,7 @@ impl Server {
     }
 }
 
-/// Two are equal that make the same of whatever comes next: what replies before the last one have left does not count.
+/// Two are equal if they give the same results from any further requests. Remains of earlier replies do not count.
 impl PartialEq for Server {
     fn eq(&self, other: &Server) -> bool {
         self.known() == other.known()
@@ -89,7 +89,7 @@ impl Default for Server {
     }
 }
 
-/// Room for what a reply borrows.
+/// Room for the data that a reply borrows.
 type Scratch = [u8; RecordedSample::BYTES * CHUNK_SAMPLES];
 
 /// Nothing yet.
@@ -153,8 +153,8 @@ impl Server {
         Ok(())
     }
 
-    /// What is to be done between two samples: a row of the stream is gathered, and the CRC of a finished
-    /// record goes on. Changes nothing else.
+    /// The work between two samples: a row of the stream is gathered, and the CRC of a finished record continues.
+    /// Nothing else changes.
     pub fn attend(&mut self, control: &mut Control<impl BorrowMut<Recorder>>) {
         self.talk.stream.observe(control.state().observation());
         let _ = digest(control, DIGEST_BETWEEN);
@@ -179,7 +179,7 @@ impl Server {
         self.talk.stream.is_full()
     }
 
-    /// Writes what is due unasked: one frame at most. To be called when the port has room for it.
+    /// Writes the frame that is due unasked: one at most. Call it when the port has room for it.
     ///
     /// # Errors
     /// When the port does not take it.

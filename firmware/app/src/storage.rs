@@ -32,14 +32,14 @@ pub const FORMAT: u16 = 1;
 /// Format 1: id, then value, little endian.
 const PAIR_BYTES: usize = 6;
 
-/// What was found in flash.
+/// The result of reading the flash.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
     /// No configuration was ever saved whole: the flash is blank, or its first save was cut short.
     NeverSaved,
     /// A configuration was loaded.
     Loaded(Report),
-    /// There was a configuration, and no slot can be read. Also what flash that held other things shows.
+    /// There was a configuration, but no slot can be read. Flash that held other data looks the same.
     Damaged,
     /// The newest configuration is in this format of a later program.
     UnknownFormat(u16),
@@ -59,7 +59,7 @@ impl Outcome {
 pub struct Report {
     /// Format it was saved in.
     pub format: u16,
-    /// Saves so far, wrapping.
+    /// The number of saves, wrapping.
     pub generation: u32,
     /// Pairs whose id today's table does not know: left out.
     pub unknown: u16,
@@ -77,12 +77,12 @@ pub struct Report {
 /// The parameters to start with, and where they come from.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Load {
-    /// Those of the flash over the defaults; the defaults alone unless the outcome is `Loaded`. Each is in
-    /// its range; whether they go together, [`Config::new`](pneudrive_controller::Config::new) tells.
+    /// The values of the flash over the defaults; the defaults alone unless the outcome is `Loaded`. Each is in its
+    /// range; [`Config::new`](pneudrive_controller::Config::new) checks whether they fit together.
     pub parameters: Parameters,
     /// The move records of the flash; none unless the outcome is `Loaded`.
     pub records: MoveRecords,
-    /// What was found.
+    /// The outcome.
     pub outcome: Outcome,
 }
 
@@ -106,7 +106,7 @@ impl ConfigStore {
         Ok(ConfigStore { slots: Slots::new(flash, MAGIC, slots, (pairs + MAX_PAIRS) * PAIR_BYTES)? })
     }
 
-    /// Loads the newest whole configuration. What can't be read counts as damaged.
+    /// Loads the newest whole configuration. Unreadable data count as damaged.
     pub fn load<F: ReadNorFlash>(&self, flash: &mut F) -> Load {
         let record = match self.slots.find(flash) {
             Found::NeverSaved => return Load::defaults(Outcome::NeverSaved),
@@ -133,7 +133,7 @@ impl ConfigStore {
     /// a slot, and takes as long as that takes.
     ///
     /// # Errors
-    /// When the flash refuses or does not hold what was written. The configuration saved before is whole
+    /// When the flash refuses or does not hold the written data. The configuration saved before is whole
     /// then.
     pub fn save<F: NorFlash>(
         &self,
@@ -161,7 +161,7 @@ fn pair_bytes((id, value): (u16, i32)) -> [u8; PAIR_BYTES] {
 }
 
 impl Load {
-    /// What a drive without a stored configuration starts with.
+    /// The start of a drive without a stored configuration.
     pub(crate) fn defaults(outcome: Outcome) -> Load {
         Load { parameters: Parameters::default(), records: MoveRecords::default(), outcome }
     }

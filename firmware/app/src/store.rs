@@ -11,11 +11,11 @@ use crate::fault_log::{Event, FaultLog, FaultStore, Memory, Recovery, Restored};
 use crate::move_records::MoveRecords;
 use crate::storage::{ConfigStore, LayoutError, Load, Outcome};
 
-/// The flash could not be written, or did not keep what was.
+/// The flash could not be written, or did not hold the written data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct NotStored;
 
-/// What is kept. Everything but [`Store::log`] is for a disarmed drive: flash stalls the processor.
+/// The store of a board. Everything but [`Store::log`] is for a disarmed drive: flash stalls the processor.
 pub trait Store {
     /// The configuration to start with.
     fn load(&mut self) -> Load;
@@ -40,7 +40,7 @@ pub trait Store {
     /// How many events there are.
     fn events(&self) -> usize;
 
-    /// Stores what was logged since the last time.
+    /// Stores the events logged since the last time.
     ///
     /// # Errors
     /// When it is not stored; it stays in memory.
@@ -82,7 +82,7 @@ impl Store for NoStore {
     }
 }
 
-/// Where in a flash what is: byte ranges of whole sectors, two for the configuration and two for the log.
+/// The layout of a flash: byte ranges of whole sectors, two for the configuration and two for the log.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Layout {
     /// The slots of the configuration.
@@ -102,7 +102,7 @@ pub struct FlashStore<F, M> {
 }
 
 impl<F: NorFlash, M: BorrowMut<Memory>> FlashStore<F, M> {
-    /// Takes up what is there after a reset, counts the boot, and tells what of the log was found.
+    /// Loads everything after a reset, counts the boot, and reports the state of the log.
     ///
     /// # Errors
     /// When the layout does not fit the flash.
@@ -119,7 +119,7 @@ impl<F: NorFlash, M: BorrowMut<Memory>> FlashStore<F, M> {
         Ok((FlashStore { flash, config, faults, log, boot }, recovery, restored))
     }
 
-    /// What a reset leaves as it is: the flash and the memory.
+    /// The data that a reset leaves as they are: the flash and the memory.
     pub fn into_parts(self) -> (F, M) {
         (self.flash, self.log.into_memory())
     }

@@ -61,7 +61,7 @@ impl Stream {
         self.granted = self.granted.max(until);
     }
 
-    /// Looks at what the last sample was made into: a new one of a run may become a row.
+    /// Looks at the last sample: a new one of a run may become a row.
     pub fn observe(&mut self, observation: &Observation) {
         let index = observation.running.then_some(observation.index);
         if self.every == 0 || index == self.seen {
@@ -85,14 +85,14 @@ impl Stream {
         self.gathered.saturating_sub(HELD as u32)
     }
 
-    /// Whether so many rows wait to go that the next ones might take the place of the oldest: a rig that makes its
-    /// own time can wait.
+    /// Whether so many rows wait that the next ones might overwrite the oldest. A rig that makes its own time can
+    /// wait.
     #[must_use]
     pub fn is_full(&self) -> bool {
         self.gathered - self.sent.max(self.oldest()) > HELD as u32 / 2
     }
 
-    /// What is to go unasked now: a batch, or at the end of a run what is left. Under its number.
+    /// The data to send unasked now: a batch, or the rest at the end of a run, under its number.
     pub fn due<'a>(&mut self, room: &'a mut [u8]) -> Option<(u16, ReplyBody<'a>)> {
         let first = self.sent.max(self.oldest());
         let waiting = self.gathered.min(self.granted).saturating_sub(first);

@@ -4,8 +4,8 @@
 use pneudrive_controller::config::Timing;
 use pneudrive_protocol::{HISTOGRAM_BINS, Spread};
 
-/// Samples since the clock was restarted. The control interrupt only notes its two times; whoever is idle
-/// [settles](Clock::settle) them before the next sample. Where nobody has, the next sample does.
+/// Samples since the clock was restarted. The control interrupt only notes its two times. The idle task
+/// [settles](Clock::settle) them before the next sample. If it has not, the next sample does.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Clock {
     last_us: u32,
@@ -31,8 +31,7 @@ impl Clock {
         interval_us
     }
 
-    /// Whether the output of the last sample comes too late. That of a sample from before a restart of the clock has
-    /// no time.
+    /// Whether the output of the last sample comes too late. A sample from before a restart of the clock has no time.
     #[inline(always)]
     pub fn output_is_late(&self, now_us: u32, timing: &Timing) -> bool {
         self.runs && now_us.wrapping_sub(self.last_us) > timing.latest_output_us
@@ -72,7 +71,7 @@ impl Clock {
     }
 }
 
-/// Times on one side or the other of what they should be. Counts wrap after 64 days of samples.
+/// Times on one side or the other of their nominal value. Counts wrap after 64 days of samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Histogram {
     least_us: u32,
@@ -106,7 +105,7 @@ impl Histogram {
         self.bins.iter().fold(0, |sum, bin| sum.wrapping_add(*bin))
     }
 
-    /// What was taken so far; all 0 for nothing.
+    /// The statistics so far; all 0 without samples.
     fn spread(&self) -> Spread {
         let count = self.count();
         let least_us = if count == 0 { 0 } else { self.least_us };

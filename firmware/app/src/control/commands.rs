@@ -19,7 +19,7 @@ impl<R: BorrowMut<Recorder>> Control<R> {
     /// at once if the drive rests, else after it has come to rest ([`Control::tidy_up`]).
     ///
     /// # Errors
-    /// The controller's refusal, and that of a drive whose stored configuration is lost.
+    /// The controller's refusal, or the refusal of a drive whose stored configuration is lost.
     pub fn arm(&mut self, board: &mut impl Board) -> Result<(), Refusal> {
         let learned = self.learned_parameters().and_then(|learned| Prepared::of(learned).ok());
         let by = Asker { session: NOBODY, host: "", sequence: None };
@@ -57,9 +57,8 @@ impl<R: BorrowMut<Recorder>> Control<R> {
         Ok(())
     }
 
-    /// The parameters with what the last run has learned of the valve's null, so that the next one starts where that has
-    /// learned to. None if it has learned nothing, and while a run is on: a record is read with the parameters that it was
-    /// taken with.
+    /// The parameters with the learned null offset of the last run, so that the next run starts from there. None if
+    /// nothing was learned, and while a run is on: a record is read with the parameters that it was taken with.
     #[must_use]
     pub fn learned_parameters(&self) -> Option<Parameters> {
         let learned = self.state.learned_null_offset();
@@ -73,7 +72,7 @@ impl<R: BorrowMut<Recorder>> Control<R> {
         changed.set(id::NULL_OFFSET_COUNTS, new).ok().map(|()| changed)
     }
 
-    /// Puts what was learned in force, and stores it at once if the drive rests.
+    /// Puts the learned offset in force, and stores it at once if the drive rests.
     fn learn(&mut self, learned: &Prepared, board: &mut impl Board) {
         self.configuration.learn(learned);
         self.state.forget_null_offset();

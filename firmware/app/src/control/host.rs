@@ -19,8 +19,8 @@ impl<R: BorrowMut<Recorder>> Control<R> {
         }
     }
 
-    /// What becomes of a drive whose owner is gone: one that moves trips at once, one that is armed or holds is
-    /// disarmed after `hold_ms`. Requests of other hosts do not count.
+    /// Acts when the owner is gone: a moving drive trips at once, an armed or holding one is disarmed after
+    /// `hold_ms`. Requests of other hosts do not count.
     #[inline(never)]
     fn watch_owner(&mut self, now_ms: u64) {
         let timing = &self.config().timing;
@@ -53,7 +53,7 @@ impl<R: BorrowMut<Recorder>> Control<R> {
         self.state.supervisor.drives() && self.ownership.has_lapsed()
     }
 
-    /// The host of this session has gone; what it has armed stays as it is.
+    /// The host of this session has gone; a drive that it has armed stays as it is.
     pub fn host_leaves(&mut self, session: u32) {
         if self.state.supervisor.drives() {
             self.ownership.leave(session);
@@ -69,7 +69,7 @@ impl<R: BorrowMut<Recorder>> Control<R> {
         self.ownership.presence(board.host_clock_ms(), self.config().timing.host_silence_ms)
     }
 
-    /// Whether a host may do what has this need.
+    /// Whether a host may make a request with this need.
     #[must_use]
     pub fn allows(&self, session: u32, need: Need, board: &impl Board) -> bool {
         self.ownership.allows(session, need, self.presence(board))

@@ -17,11 +17,11 @@ use crate::ownership::Asker;
 use crate::recorder::Recorder;
 use crate::selector::{Phase, Taken};
 
-/// What the inputs call themselves as an owner.
+/// The inputs' name as an owner.
 const NAME: &str = "digital inputs";
 
 impl<R: BorrowMut<Recorder>> Control<R> {
-    /// Looks at the inputs and drives the outputs. Whether a record is to be begun.
+    /// Reads the inputs and drives the outputs. Returns whether a record is to be started.
     pub(crate) fn heed_inputs(&mut self, board: &mut impl Board) -> bool {
         self.selector.notice(self.is_tripped());
         let taken = self.selector.take(board.inputs(), &self.configuration.config().timing);
@@ -65,7 +65,7 @@ impl<R: BorrowMut<Recorder>> Control<R> {
         self.state.supervisor.drives() && self.ownership.is_of_inputs()
     }
 
-    /// What has become of what the inputs have begun.
+    /// The state of the inputs' last order.
     fn follow_phase(&mut self) {
         let mode = self.state.supervisor.mode();
         let arrived = self.state.sequencer().arrival() == Arrival::Arrived;
@@ -110,7 +110,7 @@ impl<R: BorrowMut<Recorder>> Control<R> {
         board.show(self.selector.outputs);
     }
 
-    /// Begins the record that was selected, with what the last run has learned; notes why not.
+    /// Starts the selected record, with the learned null offset of the last run; notes why not.
     pub(crate) fn begin_selected(&mut self, learned: Option<&Prepared>, board: &mut impl Board) {
         let was_enabled = self.state.supervisor.drives();
         let begun = self.try_selected(learned, board);

@@ -9,7 +9,7 @@ use crate::name::cut;
 /// Bytes of a test's name.
 pub const NAME_BYTES: usize = 32;
 
-/// What was downloaded to be run.
+/// The downloaded test.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Test {
     name: String<NAME_BYTES>,

@@ -26,7 +26,7 @@ pub enum TakeError {
         id: u16,
         /// The value.
         value: i32,
-        /// What is wrong with it.
+        /// Why it is refused.
         error: SetError,
     },
     /// The parameters do not go together.
@@ -35,11 +35,12 @@ pub enum TakeError {
     Sequence(SequenceError),
     /// The test lasts more samples than can be counted.
     TooLong,
-    /// The bytes are no change: moves without a test, two tests, a profile that is none, a record of no number, or what this version does not know.
+    /// The bytes are not a change: moves without a test, two tests, an invalid profile, a record without a number, or
+    /// an entry that this version does not know.
     Malformed,
 }
 
-/// What the drive will have once the whole change has been read.
+/// The data that the drive will have once the whole change has been read.
 struct Draft {
     parameters: Parameters,
     records: MoveRecords,
@@ -86,7 +87,7 @@ impl<R: BorrowMut<Recorder>> Control<R> {
     /// Takes a change: all of it or nothing.
     ///
     /// # Errors
-    /// When the drive is not disarmed, or with what is wrong first.
+    /// When the drive is not disarmed, or the first problem of the change.
     pub fn take_change(&mut self, change: &[u8]) -> Result<(), TakeError> {
         self.must_be_disarmed().map_err(TakeError::Refused)?;
         let records = self.configuration.records().clone();

@@ -37,7 +37,7 @@ impl<R: BorrowMut<Recorder>> Control<R> {
         !self.state.supervisor.drives() && self.spool_must_be_at_null().is_ok()
     }
 
-    /// Refuses what must wait for the spool of a stepper valve.
+    /// Refuses requests that must wait for the spool of a stepper valve.
     pub(super) fn spool_must_be_at_null(&self) -> Result<(), Refusal> {
         match self.state.spool_is_open(self.config()) {
             true => self.state.check_spool(self.config()).and(Err(Refusal::ValveNotAtNull)),

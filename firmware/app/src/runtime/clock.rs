@@ -8,7 +8,7 @@ use super::instants::{Milliseconds, extend, has_time, left, next_on_grid, output
 /// Distance of the compare channels from the counter until a configuration sets them: its shortest period.
 const SOON_US: u32 = 100;
 
-/// What a compare channel marks.
+/// The meaning of a compare channel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mark {
     /// The samples.
@@ -107,7 +107,7 @@ impl<T: Timer> Clock<T> {
         extend(self.base_us, self.timer.counter())
     }
 
-    /// Whether work that takes so long can be done before the next sample or output.
+    /// Whether work of this length can be done before the next sample or output.
     #[must_use]
     pub fn has_time(&self, work_us: u32) -> bool {
         let instants = [Mark::Sample, Mark::Output].map(|mark| self.timer.instant(mark));

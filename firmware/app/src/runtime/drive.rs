@@ -7,7 +7,7 @@ use crate::board::Board;
 use crate::control::Control;
 use crate::recorder::Recorder;
 
-/// Nothing is stored before the drive has been disabled for so long, microseconds: an erasure stalls the
+/// Nothing is stored before the drive has been disabled for this long, microseconds: an erasure stalls the
 /// processor, and a host that asks for the reason of a fault gets it first.
 pub const REST_US: u64 = 1_000_000;
 
@@ -78,7 +78,8 @@ impl<B: ClockedBoard, R: BorrowMut<Recorder>> Drive<B, R> {
         self.board.clock_mut().keep(timing);
     }
 
-    /// Stores what waits for a drive that has been disabled for a while. False when the flash does not take it.
+    /// Stores the waiting data of a drive that has been disabled for a while. Returns false if the flash does not
+    /// take it.
     pub fn tidy_up(&mut self) -> bool {
         let rests = self.board.now_us().saturating_sub(self.board.enabled_us()) > REST_US;
         !rests || self.control.tidy_up(&mut self.board).is_ok()

@@ -7,7 +7,7 @@
 
 use core::num::NonZeroU32;
 
-/// An instant closer than this is taken for missed, microseconds: writing it must be over by then.
+/// A closer instant counts as missed, microseconds: writing it must be over by then.
 pub const GUARD_US: u32 = 5;
 
 /// Value of a timer's prescaler that makes it count microseconds; None if no value does.
@@ -36,7 +36,7 @@ pub struct Milliseconds {
 }
 
 impl Milliseconds {
-    /// So many microseconds have passed.
+    /// This many microseconds have passed.
     #[must_use]
     pub fn after(self, passed_us: u32) -> Milliseconds {
         let us = self.rest_us.saturating_add(passed_us);
@@ -80,8 +80,8 @@ pub fn left(now: u32, instants: [u32; 2]) -> u32 {
     a.min(b)
 }
 
-/// Whether a piece of work can be done before the next of two instants, which is so far away. With a period that never leaves
-/// the time for it, a quarter of the period has to do: some gap between sample and output is twice as long.
+/// Whether a piece of work can be done before the next of two instants, this far away. If the period never leaves the
+/// time for it, a quarter of the period must do: some gap between sample and output is twice as long.
 #[must_use]
 pub fn has_time(left_us: u32, work_us: u32, period_us: NonZeroU32) -> bool {
     left_us > work_us.min(period_us.get() / 4)

@@ -8,7 +8,7 @@ use pneudrive_controller::drive::Translator;
 /// Longest of the two times, microseconds: both together fit a 16-bit timer.
 const LONGEST_US: u32 = 0x7fff;
 
-/// What the timer is set to.
+/// The settings of the timer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Pulse {
     /// The output is driven from this count on. Never 0: it would be driven at rest.

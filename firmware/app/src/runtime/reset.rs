@@ -2,13 +2,13 @@
 
 use pneudrive_controller::Fault;
 
-/// What the program leaves in memory when it breaks down. Not what memory holds after the power came.
+/// The note that the program leaves in memory when it breaks down. Memory does not hold it by chance after power-on.
 pub const PANICKED: u32 = 0x50d7_1e01;
 
-/// What it leaves there when the clock has failed.
+/// The note after a failure of the clock.
 pub const CLOCK_FAILED: u32 = 0x50d7_1e02;
 
-/// What a note says; None for anything else that stands there.
+/// The meaning of a note; None for anything else.
 #[must_use]
 pub fn noted(note: u32) -> Option<Fault> {
     match note {
@@ -18,7 +18,7 @@ pub fn noted(note: u32) -> Option<Fault> {
     }
 }
 
-/// What is known after a reset.
+/// The known facts after a reset.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Reset {
     /// The independent watchdog did it.
@@ -27,7 +27,7 @@ pub struct Reset {
     pub software: bool,
     /// The power came: memory holds anything.
     pub power: bool,
-    /// What stands where the program leaves its note.
+    /// The place of the program's note.
     pub note: u32,
 }
 

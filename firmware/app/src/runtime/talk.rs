@@ -19,7 +19,7 @@ use crate::server::Server;
 use crate::shared_drive::SharedDrive;
 use crate::store::NotStored;
 
-/// A serial port. What is written to it is collected, and then sent in one go; a frame always fits.
+/// A serial port. Written bytes are collected and then sent in one go; a frame always fits.
 pub trait Port: Write<Error = Infallible> {
     /// Whether the last reply has gone.
     fn is_free(&self) -> bool;
@@ -30,10 +30,10 @@ pub trait Port: Write<Error = Infallible> {
     /// Whether there is a reply to be sent.
     fn has_collected(&self) -> bool;
 
-    /// Sends what was collected. The port must be free.
+    /// Sends the collected bytes. The port must be free.
     fn send(&mut self);
 
-    /// Clears what noise on the line has left, so that reception goes on.
+    /// Clears the errors that noise on the line has left, so that reception goes on.
     fn clear_errors(&mut self);
 }
 
@@ -62,7 +62,7 @@ pub trait Served {
     /// Takes over the timing that a request may have changed.
     fn keep_timing(&mut self);
 
-    /// Stores what waits for a disabled drive. False when the flash does not take it.
+    /// Stores the waiting data of a disabled drive. Returns false if the flash does not take it.
     fn tidy_up(&mut self) -> bool;
 }
 
@@ -91,7 +91,7 @@ impl<B: ClockedBoard, R: BorrowMut<Recorder>> Served for Drive<B, R> {
     }
 }
 
-/// The half that talks, and what it needs.
+/// The half that talks, and its buffers.
 #[derive(Debug)]
 pub struct Talk<P, W> {
     server: Server,
@@ -139,7 +139,7 @@ impl<P: Port, W: Watchdog> Talk<P, W> {
         }
     }
 
-    /// What goes unasked, behind the replies.
+    /// Sends unasked rows, after the replies.
     fn speak(&mut self) {
         if !self.port.has_collected() {
             let Ok(()) = self.server.speak(&mut self.port);

@@ -76,7 +76,7 @@ pub(super) fn config_state(configuration: &Configuration) -> ConfigState {
     }
 }
 
-/// Who commands the drive, with its name in this room: the drive is not locked any more when the reply is framed.
+/// The owner, with its name in this buffer: the drive is no longer locked when the reply is framed.
 pub(super) fn kept<'a>(owner: Owner<'_>, room: &'a mut Scratch) -> Owner<'a> {
     let Owner { presence, session, silent_ms, host } = owner;
     Owner { presence, session, silent_ms, host: kept_text(host, room) }
@@ -143,7 +143,7 @@ pub(super) fn config<'a>(
     }
 }
 
-/// Reads values of consecutive ids, or tells the first id that there is not.
+/// Reads values of consecutive ids, or returns the first id that does not exist.
 fn read(parameters: &Parameters, first_id: u16, slots: &mut [[u8; 4]]) -> Result<(), u16> {
     for (slot, id) in slots.iter_mut().zip(first_id..) {
         *slot = parameters.get(id).ok_or(id)?.to_le_bytes();
@@ -155,10 +155,10 @@ fn read(parameters: &Parameters, first_id: u16, slots: &mut [[u8; 4]]) -> Result
 /// that holds its last setpoint goes on sampling meanwhile, and a request must not make a sample late.
 const DIGEST_AT_ONCE: usize = 64;
 
-/// Those that it goes on by between two samples, so that the CRC is mostly there when it is asked for.
+/// Samples taken into the CRC between two control samples, so that it is mostly ready when it is requested.
 pub(super) const DIGEST_BETWEEN: usize = 8;
 
-/// Goes on with the CRC of a record that is over, and tells it once it is there.
+/// Continues the CRC of a finished record, and returns it once it is there.
 pub(super) fn digest(control: &mut Control<impl BorrowMut<Recorder>>, samples: usize) -> Option<u32> {
     let over = !matches!(control.state().supervisor.mode(), Mode::Armed | Mode::Running);
     if over { control.recorder.borrow_mut().digest(samples) } else { None }

@@ -149,7 +149,8 @@ fn admission<R: BorrowMut<Recorder>>(
     }
 }
 
-/// Arms. What the last run has learned is prepared while the control goes on: a drive that holds may be armed anew.
+/// Arms. The learned null offset of the last run is prepared while the control goes on: a holding drive may be armed
+/// again.
 fn arm<'a>(drive: &mut impl SharedDrive, by: &Asker<'_>) -> ReplyBody<'a> {
     let learned = drive.lock(|control, _| control.learned_parameters());
     let learned = learned.and_then(|learned| Prepared::of(learned).ok());

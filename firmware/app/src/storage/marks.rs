@@ -15,10 +15,10 @@ use pneudrive_protocol::frame;
 
 use super::stream::{CHUNK_BYTES, ERASED, Span};
 
-/// What a place holds.
+/// The contents of a place.
 pub type Mark = [u8; CHUNK_BYTES];
 
-/// The marks of a part, in the order of their places. What cannot be read is left out.
+/// The marks of a part, in the order of their places. Unreadable ones are left out.
 pub fn all<F: ReadNorFlash>(flash: &mut F, part: Span) -> impl Iterator<Item = Mark> {
     places(part).filter_map(|at| read(flash, at))
 }
@@ -59,7 +59,7 @@ fn places(part: Span) -> impl Iterator<Item = u32> {
     (part.start..=last).step_by(CHUNK_BYTES)
 }
 
-/// What stands in a place; None if it cannot be read.
+/// The contents of a place; None if it cannot be read.
 fn read<F: ReadNorFlash>(flash: &mut F, at: u32) -> Option<Mark> {
     let mut mark = [0; CHUNK_BYTES];
     flash.read(at, &mut mark).ok().map(|()| mark)

@@ -49,7 +49,7 @@ pub enum SaveError<E> {
     Flash(E),
     /// The record is longer than a slot.
     TooLong,
-    /// What was written reads otherwise.
+    /// The flash does not hold the written data.
     NotAsWritten,
 }
 
@@ -59,14 +59,14 @@ impl<E> From<E> for SaveError<E> {
     }
 }
 
-/// What stands before the entries of a record.
+/// The head of a record, before its entries.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Header {
     /// Format of the entries.
     pub format: u16,
     /// Length of an entry, bytes.
     pub entry_bytes: u16,
-    /// Saves so far, wrapping.
+    /// The number of saves, wrapping.
     pub generation: u32,
     /// Number of entries.
     pub entries: u16,
@@ -106,14 +106,14 @@ impl Header {
     }
 }
 
-/// What a slot holds.
+/// The contents of a slot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Slot {
     /// A record whose CRC is right.
     Whole(Header),
     /// Nothing, or a record that was never finished.
     Unfinished,
-    /// What was finished, or is not ours, and can't be read.
+    /// A record that was finished, or is not ours, and cannot be read.
     Damaged,
 }
 
@@ -121,13 +121,13 @@ enum Slot {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Record {
     span: Span,
-    /// What it says of itself.
+    /// Its head.
     pub header: Header,
-    /// The other slot holds what can't be read: maybe a newer record.
+    /// The other slot cannot be read: it may hold a newer record.
     pub other_damaged: bool,
 }
 
-/// What a pair of slots holds.
+/// The contents of a pair of slots.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Found {
     /// No record was ever finished.
@@ -146,7 +146,7 @@ pub(crate) struct Slots {
 }
 
 impl Slots {
-    /// Slots in two ranges of flash, bytes from its start; each has room for so many bytes of entries.
+    /// Slots in two ranges of flash, bytes from its start. Each has room for this many bytes of entries.
     pub fn new<F: NorFlash>(
         flash: &F,
         magic: [u8; 4],
@@ -163,7 +163,7 @@ impl Slots {
         Ok(Slots { magic, spans })
     }
 
-    /// Looks for the newest whole record. What can't be read counts as damaged.
+    /// Looks for the newest whole record. Unreadable data count as damaged.
     #[inline(never)] // For every kind of record.
     pub fn find<F: ReadNorFlash>(&self, flash: &mut F) -> Found {
         let [a, b] = self.survey(flash);
@@ -180,8 +180,8 @@ impl Slots {
         }
     }
 
-    /// Hands out the entries of a record, the first one first. False if they are not N bytes long, or
-    /// read otherwise than when the record was found: what was handed out is void then.
+    /// Hands out the entries of a record, the first one first. Returns false if they are not N bytes long, or differ
+    /// from when the record was found: the entries handed out are void then.
     pub fn read<F: ReadNorFlash, const N: usize>(
         &self,
         flash: &mut F,
@@ -200,7 +200,7 @@ impl Slots {
         reader.ends_with_crc()
     }
 
-    /// Saves the entries as the newest record, and tells its generation.
+    /// Saves the entries as the newest record, and returns its generation.
     pub fn save<F: NorFlash, const N: usize, I: Iterator<Item = [u8; N]>>(
         &self,
         flash: &mut F,
@@ -248,8 +248,8 @@ impl Slots {
         Ok(header.generation)
     }
 
-    /// What records of up to so many bytes of entries leave free in each slot: first in the one that the next save leaves
-    /// alone, then in the one that it erases.
+    /// The room that records of up to this many bytes of entries leave free in each slot: first in the slot that the
+    /// next save leaves alone, then in the one that it erases.
     #[cold]
     #[inline(never)]
     pub fn free_parts<F: ReadNorFlash>(&self, flash: &mut F, entry_bytes: usize) -> [Span; 2] {
@@ -275,8 +275,8 @@ impl Slots {
         writer.finish()
     }
 
-    /// The slot without the newest whole record. If there is none: one that holds no damage, as long as
-    /// there is one, for damage must not turn into `NeverSaved`; and a blank one rather than another.
+    /// The slot without the newest whole record. Without such a record: a slot without damage if there is one,
+    /// because damage must not turn into `NeverSaved`; and preferably a blank one.
     #[cold]
     #[inline(never)]
     fn span_to_write<F: ReadNorFlash>(&self, flash: &mut F, found: &Found) -> Span {
@@ -359,7 +359,7 @@ fn seal_part(slot: Span) -> Span {
     Span { start: slot.end.saturating_sub(SEAL.len() as u32), end: slot.end }
 }
 
-/// What lies between the longest record of a slot and its seal, whole chunks.
+/// The part between the longest record of a slot and its seal, in whole chunks.
 fn free_part(slot: Span, entry_bytes: usize) -> Span {
     let record = (HEADER_BYTES + CRC_BYTES + entry_bytes).next_multiple_of(CHUNK_BYTES);
     let end = record_part(slot).end;

@@ -6,7 +6,7 @@ use pneudrive_protocol::RecordCrc;
 /// Bytes that go to and from the flash at once: a multiple of every flash's read and write size.
 pub const CHUNK_BYTES: usize = 32;
 
-/// What an erased byte reads as.
+/// The value of an erased byte.
 pub const ERASED: u8 = 0xff;
 
 /// Where in the flash something lies; whole chunks, from a byte up to but not with another.
@@ -25,7 +25,7 @@ impl Span {
     }
 }
 
-/// Reads a span from its start on. What can't be read ends it early.
+/// Reads a span from its start on. Unreadable data end it early.
 pub struct Reader<'a, F> {
     flash: &'a mut F,
     span: Span,
@@ -113,7 +113,7 @@ pub struct Writer<'a, F> {
 }
 
 impl<'a, F: NorFlash> Writer<'a, F> {
-    /// A writer at the start of the span; whoever calls it has seen that the bytes fit.
+    /// A writer at the start of the span. The caller has checked that the bytes fit.
     pub fn new(flash: &'a mut F, span: Span) -> Self {
         const { assert!(CHUNK_BYTES.is_multiple_of(F::WRITE_SIZE), "a chunk is whole words to be written") };
         Writer { flash, at: span.start, chunk: [ERASED; CHUNK_BYTES], filled: 0, crc: RecordCrc::new() }
@@ -134,7 +134,7 @@ impl<'a, F: NorFlash> Writer<'a, F> {
         Ok(())
     }
 
-    /// Writes the CRC of all that was put, and what still waits.
+    /// Writes the CRC of all bytes, and those that still wait.
     pub fn finish(mut self) -> Result<(), F::Error> {
         let crc = self.crc.clone().finish();
         self.put(&crc.to_le_bytes())?;
