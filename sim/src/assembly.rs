@@ -123,8 +123,8 @@ impl Assembly {
         self.derivative_after(closed_form && spool == before)
     }
 
-    /// What an event of the spool makes of dx/dt, `closed_form` before it: where the spool has a closed form before and
-    /// after, only its position acts on the other states, and that does not jump.
+    /// The effect of an event of the spool on dx/dt, with `closed_form` before it. If the spool has a closed form
+    /// before and after, only its position acts on the other states, and that does not jump.
     fn derivative_after(&self, closed_form: bool) -> Derivative {
         if closed_form && self.parts.operator.has_closed_form() {
             Derivative::Continuous

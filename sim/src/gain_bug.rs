@@ -121,7 +121,7 @@ impl GainBug {
         Observation { command, spool, ..seen }
     }
 
-    /// What goes out for a spoilt sample.
+    /// The output for a spoilt sample.
     pub fn output(&mut self, seen: &Observation, command: Command) -> Command {
         let step = match self.drive {
             DriveConfig::Dac(_) => 0,

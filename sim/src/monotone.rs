@@ -122,7 +122,7 @@ mod tests {
         }
     }
 
-    /// Widths and rises, of which some are none.
+    /// Widths and rises, some of them zero.
     fn steps() -> impl Strategy<Value = Vec<(f64, f64)>> {
         prop::collection::vec((0.01..3.0_f64, prop_oneof![Just(0.0_f64), 0.0..5.0_f64]), 1..12)
     }

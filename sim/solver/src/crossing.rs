@@ -35,7 +35,7 @@ pub fn first_crossing<const G: usize>(
     first
 }
 
-/// A guard that stays farther from zero than so many times what it changes by in a step needs no closer look.
+/// A guard that stays farther from zero than this many times its change in a step needs no closer look.
 const CLEAR: f64 = 2.0;
 
 /// Whether all guards stay clear of zero, by their values at the beginning, in the middle and at the end.
@@ -92,8 +92,9 @@ fn may_cross(values: &[f64; 5]) -> bool {
     values[1..].iter().any(|value| *value < 0.0) || values.windows(3).any(dips)
 }
 
-/// A guard that begins at zero (a body that has just broken away) is not crossed there: a place before `probe` at which it is positive, and its value. The
-/// step's beginning if there is none: the mode does not hold at all.
+/// A guard that begins at zero (a body that has just broken away) is not crossed there. Returns a place before
+/// `probe` at which it is positive, and its value; the beginning of the step if there is none, because then the mode
+/// does not hold at all.
 fn departure(probe: f64, value_at: &mut impl FnMut(f64) -> f64) -> (f64, f64) {
     let nearer = (1..=DEPARTURES).map(|halvings| probe / (1_u64 << halvings) as f64);
     nearer.map(|theta| (theta, value_at(theta))).find(|(_, value)| *value > 0.0).unwrap_or((0.0, 0.0))

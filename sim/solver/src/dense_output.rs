@@ -76,8 +76,8 @@ impl<const N: usize> DenseOutput<N> {
         (line + theta * line_by) / self.width
     }
 
-    /// The polynomial of degree 5 with the derivatives of the system at [`REFINED_AT`] of the step, besides state
-    /// and slope at its ends: of order 5, where that of the method itself is of order 4.
+    /// The polynomial of degree 5 with the derivatives of the system at [`REFINED_AT`] of the step, besides state and
+    /// slope at its ends. It is of order 5, where the method's own is of order 4.
     pub fn refine(&mut self, slopes: &[[f64; N]; 2]) {
         let [_, r2, r3, r4, r5, r6] = &mut self.coefficients;
         for i in 0..self.n_moving.min(N) {
@@ -91,7 +91,7 @@ impl<const N: usize> DenseOutput<N> {
     }
 }
 
-/// The error of a step that was tried over what is allowed, and the power of the step size that it goes with.
+/// The error of a trial step over the allowed one, and its order in the step size.
 pub(crate) struct TrialError {
     pub error: f64,
     pub order: f64,

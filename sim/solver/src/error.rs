@@ -3,7 +3,7 @@
 /// Most steps in a millisecond, tried or accepted: at that pace a second takes a quarter of an hour.
 pub(crate) const MAX_STEPS: u64 = 200_000;
 
-/// From so many steps in a millisecond on, a system is asked whether its equations still hold.
+/// From this many steps in a millisecond on, a system is asked whether its equations still hold.
 pub(crate) const MANY_STEPS: u64 = 5_000;
 
 /// Why an integration fails.
@@ -35,12 +35,12 @@ pub enum IntegrationError {
         /// When.
         at_s: f64,
     },
-    /// The state has come to where the equations of the system do not hold.
+    /// The state has reached a place where the equations of the system do not hold.
     #[error("at t = {at_s} s {why}")]
     BeyondModel {
         /// When.
         at_s: f64,
-        /// What has happened, and what to change.
+        /// The event, and the remedy.
         why: &'static str,
     },
     /// Events follow each other without end.

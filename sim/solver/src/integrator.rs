@@ -43,8 +43,8 @@ pub struct Integrator<
     /// The step that was accepted last, and whether it led to t in the present modes.
     step: AcceptedStep<N>,
     has_step: bool,
-    /// The state that was requested last, and its time; not a number where it is none. States that rest are always
-    /// those of now.
+    /// The last requested state and its time; not a number if there is none. Resting states always have their present
+    /// values.
     read: [f64; N],
     read_at: f64,
     /// The event at t, until it has been handled.
@@ -111,7 +111,7 @@ impl<const N: usize, const G: usize, const E: usize, const FEW: usize, const SOM
         }
     }
 
-    /// What it has cost so far.
+    /// The work so far.
     #[must_use]
     pub fn statistics(&self) -> Statistics {
         self.now.statistics
@@ -412,8 +412,8 @@ impl<const N: usize, const G: usize, const E: usize, const FEW: usize, const SOM
         }
     }
 
-    /// A step cut short says nothing of how far a method might go. The errors of one method have no trend in common with
-    /// those of the other.
+    /// A step cut short does not show how far a method might go. The errors of one method have no trend in common
+    /// with the errors of the other.
     fn note_stiffness(&mut self, limited: bool, growth: f64) {
         if !limited && self.stiffness.note(self.step.stiffness, self.step.moved, growth) {
             self.control = StepControl::default();

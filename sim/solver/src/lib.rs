@@ -4,7 +4,7 @@
 //! dx/dt = f(t, x) in the present modes;  guard_i(t, x) < 0: a mode ends, and with it f or x changes
 //! ```
 //!
-//! A [`System`] says its derivative, its guards and what happens at an event; an [`Integrator`] steps it, locates
+//! A [`System`] gives its derivative, its guards and its changes at an event; an [`Integrator`] steps it, locates
 //! the events on the dense output of each step to the last digits, and gives the state at any time, so that a
 //! sample costs no step.
 //!

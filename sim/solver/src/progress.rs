@@ -4,26 +4,26 @@ use crate::dense_output::{DenseOutput, REFINED_AT};
 use crate::statistics::Statistics;
 use crate::system::System;
 
-/// What a step begins from.
+/// The start of a step.
 #[derive(Clone, Debug)]
 pub(crate) struct Progress<const N: usize> {
     pub t: f64,
     pub x: [f64; N],
     /// Allowed error of a step, in each state's scale.
     pub tolerance: f64,
-    /// What counts as large in each state.
+    /// The scale of each state.
     pub scale: [f64; N],
     pub statistics: Statistics,
 }
 
 impl<const N: usize> Progress<N> {
-    /// What an error of each of the first M states is measured by: the state, but not less than its scale.
+    /// The measure for an error of each of the first M states: the state, but not less than its scale.
     #[inline(always)]
     pub fn sizes<const M: usize>(&self, x: &[f64; N]) -> [f64; M] {
         std::array::from_fn(|i| larger(self.scale[i], x[i].abs()))
     }
 
-    /// The largest of several errors, each over its state's size, over what is allowed.
+    /// The largest of several errors, each over its state's size, over the allowed error.
     #[inline(always)]
     pub fn error_norm<const M: usize>(&self, error: &[f64; M], sizes: &[f64; M]) -> f64 {
         let (mut largest, mut sum) = (0.0, 0.0);
@@ -59,7 +59,8 @@ impl<const N: usize> Progress<N> {
     }
 }
 
-/// The larger of two numbers; the first one if the second one is none. A single instruction, which `f64::max` is not.
+/// The larger of two numbers; the first one if the second is not a number. A single instruction, which `f64::max` is
+/// not.
 #[inline(always)]
 fn larger(one: f64, other: f64) -> f64 {
     if other > one { other } else { one }

@@ -70,7 +70,7 @@ pub(crate) struct Linearization<const N: usize> {
 }
 
 impl<const N: usize> Progress<N> {
-    /// What a step from the present state needs, whatever its size.
+    /// The preparation of a step from the present state, for any size.
     pub(crate) fn linearize<const G: usize, const E: usize>(
         &mut self,
         system: &mut impl System<N, G, E>,

@@ -77,15 +77,15 @@ fn damped(root: f64, before: f64) -> f64 {
     0.955 / (half * half.sqrt()) * quarter_before * quarter_before.sqrt()
 }
 
-/// Up to which size a step of the method for short steps is good enough: by the errors of such steps, and where there
-/// were none by those of long ones.
+/// The largest size of a step that suits the method for short steps, by the errors of such steps, or of long ones if
+/// there were none.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ShortSteps {
     /// s.
     largest: f64,
     /// A long step with less error, over the allowed one, might have been a short one.
     hint: f64,
-    /// What `hint` is as long as no short step fails.
+    /// The value of `hint` as long as no short step fails.
     most: f64,
 }
 

@@ -9,11 +9,11 @@
 /// h times the rate of decay at which explicit steps end (Dormand-Prince: 3.3, Merson: 3.5).
 const BOUND: f64 = 3.0;
 
-/// A step that moves no state by more than so many allowed errors is not short for the error's sake: an
-/// accurate one moves it by thousands.
+/// A step that moves no state by more than this many allowed errors is not short because of the error: an accurate
+/// step moves it by thousands.
 const IDLE: f64 = 30.0;
 
-/// So many steps at the bound, without [`CALM`] others in a row, are a stiff stretch.
+/// This many steps at the bound, without [`CALM`] others in a row, are a stiff stretch.
 const STIFF: u32 = 30;
 const CALM: u32 = 6;
 

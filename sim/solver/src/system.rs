@@ -18,12 +18,12 @@ pub trait System<const N: usize, const G: usize, const E: usize> {
         [f64::INFINITY; E]
     }
 
-    /// The first time after `t` at which the modes change whatever the state is; infinite where there is none.
+    /// The first time after `t` at which the modes change for any state; infinite if there is none.
     fn next_time_event(&self, _t: f64) -> f64 {
         f64::INFINITY
     }
 
-    /// The longest step in which the integrator sees what the guards do.
+    /// The longest step in which the integrator sees every change of the guards.
     fn max_step(&self) -> f64 {
         f64::INFINITY
     }
@@ -47,23 +47,23 @@ pub trait System<const N: usize, const G: usize, const E: usize> {
         false
     }
 
-    /// How many guards may change in the present modes: the first ones. Those behind them stay at some value above zero.
+    /// How many guards may change in the present modes: the first ones. Those after them keep a positive value.
     fn n_guards(&self) -> usize {
         G
     }
 
-    /// How many states move in the present modes: the first ones. Those behind them have no derivative.
+    /// How many states move in the present modes: the first ones. Those after them have no derivative.
     fn n_moving(&self) -> usize {
         N
     }
 
-    /// Why the equations do not hold in a state from which no step leads on: what has happened, and what to change. None
-    /// if they do. It is asked once an integration has failed, or hardly gets on.
+    /// Why the equations do not hold in a state that no step leads on from: the event, and the remedy. None if they
+    /// hold. The integrator asks once an integration has failed, or makes hardly any progress.
     fn beyond_model(&self, _x: &[f64; N]) -> Option<&'static str> {
         None
     }
 
-    /// Changes the modes at an event, and the state where it jumps. Tells what that makes of dx/dt.
+    /// Changes the modes at an event, and the state if it jumps. Returns the effect on dx/dt.
     fn handle_event(&mut self, event: Event, t: f64, x: &mut [f64; N]) -> Derivative;
 }
 
@@ -72,7 +72,7 @@ pub trait System<const N: usize, const G: usize, const E: usize> {
 pub struct StepLimit {
     /// When.
     pub until: f64,
-    /// What happens then.
+    /// The event.
     pub event: Option<Event>,
 }
 
@@ -85,7 +85,7 @@ impl StepLimit {
     }
 }
 
-/// What ends a smooth stretch.
+/// The end of a smooth stretch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Event {
     /// The time of [`System::next_time_event`].
@@ -96,10 +96,10 @@ pub enum Event {
     EndGuard(usize),
 }
 
-/// What an event makes of dx/dt.
+/// The effect of an event on dx/dt.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Derivative {
-    /// It is continuous, and goes on with another curvature: it need not be evaluated anew.
+    /// It is continuous, with another curvature, and need not be evaluated again.
     Continuous,
     /// It may have jumped.
     Discontinuous,

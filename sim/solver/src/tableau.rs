@@ -22,7 +22,7 @@ pub(crate) struct Tableau {
     pub method: Method,
     /// Where stages 2.. are evaluated, in parts of the step.
     pub nodes: &'static [f64],
-    /// Weights of the earlier slopes in stages 2..; those of the last stage make the step itself.
+    /// Weights of the earlier slopes in stages 2 and up; the last stage makes the step itself.
     pub weights: &'static [&'static [f64]],
     /// Weights of all slopes in the error estimate.
     pub error: &'static [f64],

@@ -85,8 +85,8 @@ impl Assembly {
         }
     }
 
-    /// The known ends of the network, a port each: the chambers, or what lagged tubes make of them;
-    /// the supply likewise.
+    /// The known ends of the network, one per port: the chambers, or the pressures behind lagged tubes; the supply
+    /// likewise.
     #[inline(always)]
     pub(super) fn ends_at_valve(&mut self, x: &StateVector, air: &Air<Pair>) -> Station<Pair> {
         let mut stations = air.station();

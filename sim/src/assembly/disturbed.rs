@@ -33,7 +33,7 @@ impl Assembly {
         Derivative::Discontinuous
     }
 
-    /// Tells network and tubes the supply's pressure: its own, or that of a fault.
+    /// Sets the supply pressure of network and tubes: its own, or a fault's.
     fn supply_the_network(&mut self) {
         let pressure = self.parts.faults.now.supply_pressure.unwrap_or(self.parts.supply_pressure);
         let supply = self.parts.gas.exner(pressure);

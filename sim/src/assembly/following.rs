@@ -66,7 +66,7 @@ impl Assembly {
         Some(law.demand_rate(motion.velocity, motion.acceleration, jerk))
     }
 
-    /// The modes that the demand depends on have changed. What the operator followed last must be the
+    /// The modes that the demand depends on have changed. The last value that the operator followed must be the
     /// demand in the modes before.
     pub(super) fn report_jump(&mut self, t: f64, x: &StateVector) {
         if self.parts.operator.remembers_demand()

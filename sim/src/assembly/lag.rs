@@ -61,8 +61,9 @@ impl Lag {
         (MARGIN * self.recovery * (1.0 - 1.0 / (width * width))).clamp(0.0, 1.0)
     }
 
-    /// Rates of the three ratios, for the flow from the supply (kg/s) with the temperature (K) of what goes back
-    /// to it, and for the flows into the chambers: their pressures, with the temperatures of the air in the tubes.
+    /// Rates of the three ratios. The flow from the supply (kg/s) comes with the temperature (K) of the air that
+    /// flows back to it. The flows into the chambers come with their pressures and the temperatures of the air in the
+    /// tubes.
     #[inline(always)]
     pub fn derivative(
         &self,
@@ -79,7 +80,7 @@ impl Lag {
     }
 }
 
-/// The pressure ratio that a flow will come to.
+/// The settled pressure ratio for a flow.
 #[inline(always)]
 fn settled_ratio<N: Number>(gas: &Gas, tube: &Tube, known: &Station<N>, flow: N) -> N {
     gas.pressure_of(tube.far_end(known, flow).exner / known.exner)

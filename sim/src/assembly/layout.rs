@@ -46,7 +46,7 @@ pub(crate) mod slot {
         SPOOL_VELOCITY,
         /// Pressures of lagged sensors, Pa.
         SENSED: 2,
-        /// Those of the model of the load's friction.
+        /// The states of the friction model of the load.
         FRICTION: friction::STATES,
     }
 }
@@ -80,9 +80,9 @@ pub(crate) const STATES: usize = slot::COUNT;
 /// Position, velocity and air come first: they move alone where the spool has a closed form, nothing lags and the load's
 /// friction has no states.
 pub(crate) const CORE: usize = slot::RATIO[0];
-/// Those of lagged tubes come next.
+/// The states of lagged tubes come next.
 pub(crate) const LAGGED: usize = slot::SPOOL;
-/// Then those of the spool: behind them are those of lagged sensors and of the load's friction.
+/// Then the states of the spool, of lagged sensors, and of the load's friction.
 pub(crate) const USUAL: usize = slot::SENSED[0];
 /// Guards read from the state.
 pub(crate) const GUARDS: usize = guard::COUNT;
@@ -94,8 +94,8 @@ pub(super) const SPOOL_GUARDS: usize = GUARDS - guard::SPOOL;
 /// The state vector.
 pub(crate) type StateVector = [f64; STATES];
 
-/// What counts as large in each state, for the integrator's tolerance: m, m/s, kg and w (relative
-/// to themselves, hence small), ratios of pressures, m, m/s, Pa.
+/// The scale of each state, for the integrator's tolerance: m, m/s, kg and w (relative to themselves, hence small),
+/// ratios of pressures, m, m/s, Pa.
 const SCALE: StateVector = {
     let mut scale = [1.0; STATES];
     scale[slot::POSITION] = 0.1;
@@ -107,7 +107,7 @@ const SCALE: StateVector = {
     scale
 };
 
-/// The same, with what the friction of a load says of its states.
+/// The same, with the scales of a load's friction states.
 pub(crate) fn scale_of(friction: &Friction) -> StateVector {
     let mut scale = SCALE;
     for (place, large) in slot::FRICTION.into_iter().zip(friction.scale()) {

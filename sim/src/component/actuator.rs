@@ -146,8 +146,8 @@ impl Actuator {
         }
     }
 
-    /// Which dead volume a piston at a position (m) has taken up but for a hundredth, and what to change: a stop that gives
-    /// way that far lets it run through the end cover, and the pressure of no air at all is no number.
+    /// The dead volume that a piston at a position (m) has taken up except for a hundredth, and the remedy. A stop
+    /// that gives way that far lets it run through the end cover, and the pressure of no air at all is not a number.
     pub(crate) fn used_up(&self, position: f64) -> Option<&'static str> {
         let volumes = self.both_volumes(position, 0.0).volume.to_array();
         let chamber = (0..2).find(|&i| volumes[i] < LEFT_OVER * self.residual_volumes[i])?;
@@ -166,14 +166,14 @@ impl Actuator {
         pressure_rate_1 * self.area_1 - pressure_rate_2 * self.area_2
     }
 
-    /// What leaks past the piston between the two chambers.
+    /// The leakage past the piston between the two chambers.
     #[inline(always)]
     pub(crate) fn leak(&self, gas: &Gas, air: &Air<Pair>) -> Leak {
         let from = leakage::source(air);
         Leak { flow: self.leakage.flow(gas, air), temperature: air.temperature.lane(from) }
     }
 
-    /// What the walls add to w' of the air in both chambers, the piston at a position (m).
+    /// The contribution of the walls to w' of the air in both chambers, with the piston at a position (m).
     #[inline(always)]
     pub(crate) fn exner_rate_of_heat(
         &self,

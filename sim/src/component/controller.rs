@@ -55,7 +55,7 @@ const PROFILE: [i64; DEFAULT_PROFILE.len()] = {
     profile
 };
 
-/// What the clock of the controller must hold.
+/// The constraints on the clock of the controller.
 pub(crate) fn check(rig: &Rig, findings: &mut Findings) {
     for key in [&keys::PERIOD_S, &keys::START_S, &keys::DELAY_S] {
         if whole_microseconds(rig.get(key)).is_none() {

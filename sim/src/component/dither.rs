@@ -40,8 +40,7 @@ pub struct Dither {
     pub phase_cycles: f64,
 }
 
-/// |cos| below which an instant counts as an extremum: more than rounding of the time to 53 bits makes
-/// of an exact one, and not less than what [`Dither::next`] counts as passed.
+/// |cos| below which an instant counts as an extremum: larger than the effect of rounding the time to 53 bits, and not smaller than the part that [`Dither::next`] counts as passed.
 const AT_EXTREMUM: f64 = 1e-8;
 
 /// The cycle at a crest and at a trough.

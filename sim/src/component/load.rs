@@ -6,7 +6,8 @@
 //!
 //! Positive means extension. F_const acts along +y (EQUATIONS section 6); L_e is the force of the
 //! end stops ([`crate::component::stop`]), F_r the friction except its viscous part
-//! ([`crate::component::friction`]). The applied force is all but F_r: what a stuck load is tested with.
+//! ([`crate::component::friction`]). The applied force is everything except F_r; it decides whether a stuck load
+//! breaks away.
 
 use crate::component::actuator;
 use crate::component::friction::{Body, Contact, Friction, FrictionModel, States};

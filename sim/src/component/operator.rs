@@ -37,7 +37,7 @@ use stepper::Stepper;
 use stuck::Stuck;
 
 words! {
-    /// What moves the spool.
+    /// The model that moves the spool.
     pub enum Model {
         /// A proportional solenoid against a spring, by the forces on the spool.
         Solenoid = "solenoid",

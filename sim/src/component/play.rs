@@ -44,8 +44,8 @@ pub enum Branch {
     DrivenDown,
 }
 
-/// More than rounding makes of an input, m: that of a position of 0.3 m is 6e-17 m, and a controller's
-/// gain makes a hundred times that of it.
+/// Larger than the rounding of an input, m: for a position of 0.3 m that is 6e-17 m, and a controller's gain makes it
+/// a hundred times larger.
 const ROUNDING: f64 = 1e-14;
 
 /// Guards that a play has: against a rising input, and against a falling one.
@@ -88,7 +88,7 @@ impl Play {
         }
     }
 
-    /// The input jumps from `before` to `u`, and moves on as told: rule 3.
+    /// The input jumps from `before` to `u` and then moves on as given: rule 3.
     pub fn jump(&mut self, before: f64, u: f64, motion: Motion) {
         let (held, w) = (self.output(before), self.half_width);
         let s = if u >= held + w {

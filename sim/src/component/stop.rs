@@ -91,7 +91,7 @@ impl Stops {
         (self.stiffness * penetration + damping).max(0.0)
     }
 
-    /// The rate of the force, N/s; just after a contact begins, that of the contact.
+    /// The rate of the force, N/s; just after a contact begins, the rate in contact.
     #[must_use]
     pub fn force_rate(&self, side: Side, position: f64, velocity: f64, acceleration: f64) -> f64 {
         match side {

@@ -82,8 +82,9 @@ pub fn tubes(rig: &Rig, gas: &Gas) -> (Tube, Tube) {
     (tube, tube)
 }
 
-/// Pressure that the speed in a port gives back behind an infinitely wide land over what the tube from the supply
-/// loses, both as slopes over the flow, where the lands' clearance alone is fed. 0 where no speed counts.
+/// The pressure that the speed in a port recovers behind an infinitely wide land, over the pressure that the tube
+/// from the supply loses, both as slopes over the flow, where only the lands' clearance is fed. 0 without speeds of
+/// approach.
 pub(crate) fn speed_recovery(rig: &Rig, gas: &Gas, valve: &Valve) -> f64 {
     let (tube, supply) = (tubes(rig, gas).0, supply::station(rig, gas));
     if !speed_counts(rig) || tube.is_none() {

@@ -46,7 +46,7 @@ impl Rig {
     /// This rig with other numbers under some keys, in the units of their names.
     ///
     /// # Errors
-    /// When a number is out of its key's range, or what must hold between keys does not.
+    /// When a number is out of its key's range, or a constraint between keys does not hold.
     ///
     /// # Panics
     /// When there is no such key, or its value is not a number.

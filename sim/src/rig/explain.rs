@@ -83,7 +83,7 @@ fn entries(list: &Tables) -> String {
     format!("  {}s\n{words}\n{}", list.chooser(), fields.join("\n"))
 }
 
-/// What a key takes: `0.001 to 1000`, the words of a choice.
+/// The values that a key accepts: `0.001 to 1000`, the words of a choice.
 #[must_use]
 pub fn range_in_words(kind: &Kind) -> String {
     match kind {
@@ -111,7 +111,7 @@ pub fn range_in_words(kind: &Kind) -> String {
     }
 }
 
-/// What holds without a key; empty where nothing does.
+/// The value without a key; empty if there is none.
 #[must_use]
 pub fn preset_in_words(preset: &Preset) -> String {
     match preset {

@@ -34,7 +34,7 @@ pub static OF_SEVERAL: [&Key; 16] = [
 /// A reading closer to an end of the converter than this part of its range is not a pressure.
 const OPEN_SENSOR: i32 = 64;
 
-/// An axis has moved that is so far from where it stood, m: 40 counts of the thesis's encoder.
+/// An axis this far from where it stood has moved, m: 40 counts of the thesis's encoder.
 const NO_MOTION_M: f64 = 0.482e-3;
 
 impl Rig {
@@ -112,8 +112,8 @@ impl Rig {
         values
     }
 
-    /// The controller's own distance is for counts of a quadrature encoder; the same length in counts of another one, and
-    /// what its noise shifts.
+    /// The controller's own distance is for counts of a quadrature encoder. For another encoder: the same length in
+    /// its counts, and the shift by its noise.
     fn no_motion_counts(&self) -> Option<(u16, i32)> {
         let counts = (NO_MOTION_M / pulse(self)).max(1.0) + encoder::noise_band(self);
         let absolute = self.get(&keys::encoder::MODEL).is_absolute();
@@ -154,11 +154,11 @@ impl Rig {
         i32::try_from(tolerance).unwrap_or(i32::MAX)
     }
 
-    /// The raw pressures of an open and of a shorted sensor, where no pressure of the drive is read so: the
-    /// chambers stay above the exhaust, and below one and a half times the supply. An open wire does not reach the end
-    /// of the converter: leakage and offset leave it up to a hundredth of the range away. The ends are those of a rig with
-    /// sensors whether it has them or not: without them the controller ignores the ends, and sensors that are put on later
-    /// are watched.
+    /// The raw pressures of an open and of a shorted sensor, outside the range of the drive's pressures: the chambers
+    /// stay above the exhaust, and below one and a half times the supply. An open wire does not reach the end of the
+    /// converter: leakage and offset leave it up to a hundredth of the range away. The ends are those of a rig with
+    /// sensors in any case. Without sensors the controller ignores them, and sensors that are mounted later are
+    /// supervised.
     fn open_sensors(&self) -> [i32; 2] {
         let [min, max] =
             [&keys::sensors::PRESSURE_MIN_PA, &keys::sensors::PRESSURE_MAX_PA].map(|end| self.get(end));

@@ -38,7 +38,7 @@ impl Rig {
         self.suit_period();
     }
 
-    /// What is late must be so before the next sample: at most half of the time until then.
+    /// A limit of lateness must lie before the next sample: at most half of the time until then.
     fn suit_period(&mut self) {
         let [period, delay] =
             [&keys::controller::PERIOD_S, &keys::controller::DELAY_S].map(|key| self.get(key));
@@ -61,8 +61,8 @@ impl Rig {
         }
     }
 
-    /// What is counted in commands follows the drive stage where the file does not give it: the scale of
-    /// the law (6.3.3), and the dead zone of the valve, 0.05 mm.
+    /// Values in commands follow the drive stage if the file does not give them: the scale of the law (6.3.3), and
+    /// the dead zone of the valve, 0.05 mm.
     fn suit_drive_stage(&mut self) {
         let of_stepper = [
             (&keys::controller::SCALE, 65_536),
@@ -95,7 +95,7 @@ impl Rig {
         rig.checked_by(reader)
     }
 
-    /// This rig with another test: that of the empty file with `key=value` settings applied.
+    /// This rig with another test: the test of the empty file with these `key=value` settings.
     ///
     /// # Errors
     /// Every problem with its key.

@@ -92,7 +92,7 @@ impl Rig {
         all_keys().filter(unused).map(|key| key.path).collect()
     }
 
-    /// Whether the models that are chosen use a key: the one that it belongs to, and that of the key which chooses among
+    /// Whether the chosen models use a key: the model that it belongs to, and the model of the key that chooses among
     /// these.
     #[must_use]
     pub fn uses(&self, key: &Key) -> bool {

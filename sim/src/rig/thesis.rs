@@ -12,7 +12,7 @@ pub struct Name {
     pub printed: &'static str,
     /// The default that the thesis prints.
     pub default: &'static str,
-    /// Where there is no key: why, or what does its work.
+    /// Without a key: why, or its replacement.
     pub instead: &'static str,
 }
 

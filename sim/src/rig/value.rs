@@ -17,8 +17,8 @@ pub(super) fn item_of(text: &str) -> Item {
     Item::Value(value.unwrap_or_else(|| text.into()))
 }
 
-/// An item as its key takes it: where the path leaves the unit out, the text gives it with the number. A gauge pressure
-/// counts from that of the `surroundings`, Pa.
+/// An item as its key takes it. If the path leaves the unit out, the text gives it with the number. A gauge pressure
+/// counts from the pressure of the `surroundings`, Pa.
 pub(super) fn with_unit(key: &Key, path: &str, item: &Item, surroundings: f64) -> Result<Item, String> {
     if path == key.path {
         return Ok(item.clone());

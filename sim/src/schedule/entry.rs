@@ -30,7 +30,7 @@ words! {
     }
 }
 
-/// Every profile, and what it does.
+/// Every profile and its effect.
 #[rustfmt::skip]
 const PROFILES: &[(&str, &str)] = &[
     ("step", "the setpoint is the target at once"),

@@ -272,7 +272,7 @@ fn integer(entry: &Fields, name: &str) -> i64 {
     }
 }
 
-/// A ramp of these lengths. So long a way that rounding would show in its end is refused.
+/// A ramp of these lengths. A way so long that rounding would show at its end is refused.
 fn ramp(lengths: [f64; 3], distance: f64) -> Result<Profile, Slip> {
     let product: f64 = lengths.iter().product();
     let [v, a, j] = lengths.map(|samples| samples as u32);
@@ -326,8 +326,8 @@ fn countable(samples: f64) -> Result<u32, Slip> {
     if samples <= f64::from(1 << 30) { Ok(samples as u32) } else { Err(Slip::TooLong) }
 }
 
-/// The taps of a shift register of so many bits that goes through all its states but 0 (primitive polynomials, as in
-/// Xilinx XAPP 052).
+/// The taps of a shift register of this length that goes through all its states except 0 (primitive polynomials, as
+/// in Xilinx XAPP 052).
 pub(super) fn taps(order: i64) -> u32 {
     let places: &[u32] = match order {
         3 => &[3, 2],

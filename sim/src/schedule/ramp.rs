@@ -72,7 +72,7 @@ impl Limits {
     }
 }
 
-/// Rounded up, but for what the arithmetic has left over.
+/// Rounded up, but ignoring the rounding error of the arithmetic.
 pub(super) fn up(samples: f64) -> f64 {
     (samples - 1e-9 * samples.max(1.0)).ceil()
 }

@@ -29,8 +29,8 @@ const LOOK_S: f64 = 0.2;
 const WAYS: [(&str, Ordering); 2] =
     [("after an extension", Ordering::Greater), ("after a retraction", Ordering::Less)];
 
-/// Each test is run from its own start and from four next to it, so far from it, of the stroke: within its friction a drive may
-/// stop elsewhere for as little.
+/// Each test runs from its own start and from four neighbouring ones, at this distance, of the stroke. Within its
+/// friction, such a small change may make a drive stop elsewhere.
 const STARTS: [f64; 5] = [0.0, -1e-5, -5e-6, 5e-6, 1e-5];
 
 /// The error of a drive that holds, mm: its mean from the test's own start, and between which errors it swings from any of
@@ -100,8 +100,8 @@ fn after(rig: &Rig, rate: f64, hour: f64) -> Result<[ErrorAtRest; 2], Unfit> {
     Ok(at_rest)
 }
 
-/// What the rig's test is left with if it starts so far from its own start, of the stroke. At the end of the stroke it
-/// starts there.
+/// The remaining error of the rig's test if it starts at this distance from its own start, of the stroke. At the end
+/// of the stroke it starts there.
 fn from(rig: &Rig, of_stroke: f64) -> Result<[ErrorAtRest; 2], Unfit> {
     let stroke = rig.get(&keys::actuator::STROKE_M);
     let start = (rig.get(&keys::test::POSITION_M) + of_stroke * stroke).clamp(0.0, stroke);

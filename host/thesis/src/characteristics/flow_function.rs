@@ -46,8 +46,8 @@ pub fn land_flow(rig: &Rig, ratio: f64) -> f64 {
     (valve.supply_conductance(&gas, spool) * psi / rig.get(&keys::supply::TEMPERATURE_K)).max(0.0).sqrt()
 }
 
-/// The flow function with an upstream Mach number (V.9, V.11) at a ratio of static pressures up to 1, as a share of what
-/// passes choked from rest.
+/// The flow function with an upstream Mach number (V.9, V.11) at a ratio of static pressures up to 1, as a share of
+/// the choked flow from rest.
 #[must_use]
 pub fn with_approach(gas: &Gas, mach: f64, ratio: f64) -> f64 {
     let stagnation = 1.0 + (gas.heat_capacity_ratio - 1.0) / 2.0 * mach * mach;

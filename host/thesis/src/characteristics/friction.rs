@@ -29,7 +29,7 @@ pub(super) const ABOUT: &str =
 /// The supply rises a little every millisecond, and is read as often until the load moves.
 const PERIOD_S: f64 = 1e-3;
 
-/// It comes to the rig's own pressure in so many of these steps: in 100 s.
+/// The supply reaches the rig's own pressure in this many of these steps: in 100 s.
 const STEPS: u32 = 100_000;
 
 /// Before that the load is left alone for 50 ms.

@@ -184,7 +184,7 @@ mod tests {
         assert!((found - 0.1e-3).abs() < 0.5e-6, "within a count: {found}");
     }
 
-    /// (7.2): what it takes in all is the magnetic loop and the stiction over the force gain.
+    /// (7.2): the total width is the magnetic loop, and the stiction over the force gain.
     #[test]
     fn stiction_widens_the_loop_by_no_more_than_its_force_takes() {
         let found = width(&[], STILL);

@@ -8,7 +8,7 @@ use pneudrive_sim::keys;
 /// pressures: at 0.1013 MPa absolute no air would flow.
 pub const SUPPLY_FAMILY_PA: [f64; 5] = [506.5e3, 405.2e3, 303.9e3, 202.6e3, 101.3e3];
 
-/// The rig's own supply pressure, Pa, and those of the family; of two that are the same one.
+/// The rig's own supply pressure and those of the family, Pa; equal ones appear once.
 pub(super) fn supplies(rig: &Rig) -> Vec<f64> {
     let own = rig.get(&keys::supply::PRESSURE_PA);
     let family = SUPPLY_FAMILY_PA.map(|above| rig.get(&keys::exhaust::PRESSURE_PA) + above);

@@ -84,8 +84,8 @@ pub enum Leakage {
 }
 
 impl Leakage {
-    /// mdot_L, kg/s, from chamber 1 to chamber 2 at these pressures (Pa), both at one temperature (K): what can be
-    /// told from a record, which has no temperatures.
+    /// mdot_L, kg/s, from chamber 1 to chamber 2 at these pressures (Pa), both at one temperature (K): the form for a
+    /// record, which has no temperatures.
     #[must_use]
     pub fn at_pressures(&self, gas: &Gas, pressures: [f64; 2], temperature: f64) -> f64 {
         let [mass, exner] =

@@ -20,7 +20,7 @@ pub(crate) struct SensorFaults {
 }
 
 impl SensorFaults {
-    /// Those of the events that are in the sensors.
+    /// The events in the sensors.
     pub fn new(events: &[FaultEvent]) -> SensorFaults {
         let events = events.iter().copied().filter(|event| !event.is_of_plant()).collect();
         SensorFaults { events, last_count: None }

@@ -30,7 +30,7 @@ pub(super) struct Oscillator {
     pub damping_per_mass: f64,
 }
 
-/// What drives an oscillator, as accelerations, m/s^2.
+/// The forces on an oscillator, as accelerations, m/s^2.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Drive {
     /// g.
@@ -42,9 +42,9 @@ pub(super) struct Drive {
 /// The two parts of a motion at an instant.
 #[derive(Clone, Copy, Debug, Default)]
 struct Parts {
-    /// What the swing makes of it, about the rest.
+    /// The part of the swing, about the rest.
     swing: SpoolState,
-    /// What is left of the start.
+    /// The remainder of the start.
     free: SpoolState,
 }
 

@@ -57,7 +57,7 @@ impl Hysteresis {
         }
     }
 
-    /// What is added to the command.
+    /// The sinusoid on the command.
     pub fn dither(&self) -> Dither {
         self.dither
     }

@@ -2,7 +2,7 @@
 
 use pneudrive_controller::drive;
 
-/// What the drive stage does at an output.
+/// The action of the drive stage at an output.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Request {
     /// Counts of a DAC; for a stepper the requested location, steps.

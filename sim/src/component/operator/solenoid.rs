@@ -23,7 +23,7 @@ use crate::component::stop::Side;
 pub(crate) use parameters::check;
 pub use parameters::{SolenoidParameters, keys};
 
-/// The magnetic hysteresis, by what is known of its command.
+/// The magnetic hysteresis, by the kind of its command.
 #[derive(Clone, Copy, Debug)]
 enum Magnetism {
     /// It changes at outputs: when the branches change is known beforehand.
@@ -142,7 +142,7 @@ impl Solenoid {
         self.break_away(t, spool, flow_force);
     }
 
-    /// What the hysteresis lets through of command and dither, m.
+    /// The output of the hysteresis for command and dither, m.
     #[cfg(test)]
     pub(crate) fn magnetised(&self, t: f64) -> f64 {
         self.magnetism.output(t)
@@ -181,7 +181,7 @@ impl Solenoid {
         };
     }
 
-    /// What drives a slipping spool from `t` to the next kink of the magnetic force.
+    /// The forces on a slipping spool from `t` to the next kink of the magnetic force.
     fn forces(&self, t: f64, hysteresis: &Hysteresis) -> Drive {
         let p = &self.parameters;
         let (level, driven) = hysteresis.course();

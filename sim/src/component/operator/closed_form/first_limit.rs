@@ -17,7 +17,7 @@
 
 use super::{FreeMotion, Parts};
 
-/// What is limited.
+/// The limited quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Quantity {
     /// m.
@@ -46,7 +46,7 @@ pub(crate) struct Limit {
     pub met: Met,
 }
 
-/// What a search has found.
+/// The result of a search.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Search {
     /// No limit is met.
@@ -60,11 +60,11 @@ pub(crate) enum Search {
 /// To how much of a span of time a limit is located.
 const RESOLUTION: f64 = 1e-13;
 
-/// A motion that is not clear of its limits for so much of a span begins at one.
+/// A motion that is not clear of its limits for this part of a span begins at one.
 const DEPARTURE: f64 = 1e-6;
 
-/// In SI: what rounding leaves open of a position or a velocity at `t`. A dither of 300 Hz is at 1,900 rad after a second,
-/// which are known to 4e-13, and with 0.4 mm moves at 0.75 m/s.
+/// In SI: the uncertainty of a position or a velocity at `t` by rounding. A dither of 300 Hz is at 1,900 rad after a
+/// second, which are known to 4e-13, and with 0.4 mm moves at 0.75 m/s.
 pub(crate) fn rounding(t: f64) -> f64 {
     (3e-13 * t).max(2.5e-14)
 }

@@ -9,7 +9,7 @@ use crate::component::operator::{Course, Limit, Met, Quantity, SpoolState};
 const BRANCHES: usize = 3;
 
 impl Solenoid {
-    /// What is known of its course after `t`, by the edges of the lands.
+    /// Its known course after `t`, by the edges of the lands.
     pub(in super::super) fn course(&self, t: f64, spool: SpoolState, edges: &[Limit; 2]) -> Course<'_> {
         match (&self.flight, &self.magnetism) {
             (Some(flight), _) => Course::Flies(flight, self.limits(edges)),

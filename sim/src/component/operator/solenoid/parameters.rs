@@ -23,7 +23,7 @@ keys! {
 }
 
 impl SolenoidParameters {
-    /// Those of a rig, under a dither.
+    /// The parameters of a rig, under a dither.
     pub(in crate::component::operator) fn of(rig: &Rig, dither: Dither) -> SolenoidParameters {
         let (spool_mass, travel) = (rig.get(&keys::SPOOL_MASS_KG), spool_travel(rig));
         SolenoidParameters {
@@ -54,7 +54,7 @@ impl SolenoidParameters {
     }
 }
 
-/// What the spool's friction must hold.
+/// The constraints on the spool's friction.
 pub(crate) fn check(rig: &Rig, findings: &mut Findings) {
     let why = "a body that slips must not be held more than one that sticks";
     findings.not_above(rig, &keys::COULOMB_FRICTION_N, &keys::STATIC_FRICTION_N, why);
