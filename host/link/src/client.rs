@@ -278,7 +278,7 @@ impl Client {
         })
     }
 
-    /// Who the rig is.
+    /// The identity of the rig.
     ///
     /// # Errors
     /// When it does not answer, or speaks another version of the protocol.

@@ -1,6 +1,6 @@
 //! A byte link to a rig: serial port, pty or TCP.
 //!
-//! Known troubles of serial ports, and what is done about them here:
+//! Known troubles of serial ports, and the measures against them:
 //!
 //! - *A read ignores its timeout.* A separate thread reads, and the program waits for it with its own clock: a read that
 //!   returns at once, or never, does no harm.
@@ -63,7 +63,7 @@ pub fn open(name: &str) -> Result<Box<dyn Link>> {
     open_serial(name.strip_prefix("pty:").unwrap_or(name))
 }
 
-/// What stands in front of a colon and is no host.
+/// A prefix before a colon that is not a host.
 const OTHER_SCHEMES: [&str; 4] = ["pty", "udp", "unix", "serial"];
 
 /// The address in the name of a port: `tcp://HOST:PORT`, `TCP:HOST:PORT` or `HOST:PORT`; None of a device.
@@ -80,7 +80,7 @@ pub fn address(name: &str) -> Option<&str> {
     (is_host && number.parse::<u16>().is_ok()).then_some(name)
 }
 
-/// What to say of a name that another system has.
+/// The message about a name that belongs to another system.
 fn of_another_system(path: &str) -> &'static str {
     let number = path.split_at_checked(3).filter(|(com, _)| com.eq_ignore_ascii_case("com"));
     let is_com = number.is_some_and(|(_, number)| number.trim_end_matches(':').parse::<u16>().is_ok());

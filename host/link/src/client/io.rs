@@ -6,7 +6,7 @@ use pneudrive_protocol::{ReplyBody, RequestBody};
 use super::Client;
 use super::answer::unexpected;
 
-/// The digital inputs and outputs of a drive, and what the inputs have begun.
+/// The digital inputs and outputs of a drive, and the inputs' last order.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Io {
     /// As they are read, as [`input`](pneudrive_protocol::io::input) has their bits.
@@ -15,7 +15,7 @@ pub struct Io {
     pub settled: u8,
     /// As [`output`](pneudrive_protocol::io::output) has their bits.
     pub outputs: u8,
-    /// The number that was begun last.
+    /// The number that was started last.
     pub number: u8,
     /// Why the last start was not carried out; 0: it was, or there was none.
     pub refused: u8,

@@ -16,7 +16,7 @@ impl Client {
     /// The move records of the drive, in the order of their numbers.
     ///
     /// # Errors
-    /// When its firmware has none, it does not answer, or says what is no record.
+    /// When its firmware has none, it does not answer, or its answer is not a record.
     pub fn move_records(&mut self) -> Result<Vec<MoveRecord>> {
         let (mut records, mut number) = (Vec::new(), 1);
         while number <= MOVE_RECORDS {

@@ -40,12 +40,12 @@ pub(super) fn any_session() -> u32 {
     session::FIRST + drawn % (session::INPUTS - session::FIRST)
 }
 
-/// What this program calls itself.
+/// The name of this program.
 fn host_name() -> String {
     format!("pneudrive, process {}", std::process::id())
 }
 
-/// Says what a drive would not notice, and what to do.
+/// Names the checks that are off, and the remedy.
 fn checks_are_off(name: &str, off: &[Fault]) -> String {
     let names: Vec<&str> = off.iter().map(|check| words::fault_name(*check)).collect();
     let names = names.join(",");

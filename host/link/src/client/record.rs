@@ -34,7 +34,7 @@ pub struct Pieces {
 }
 
 impl Pieces {
-    /// Nothing of a record of so many samples.
+    /// No chunk of a record with this number of samples.
     #[must_use]
     pub fn none(samples: usize) -> Pieces {
         Pieces {
@@ -145,10 +145,10 @@ impl Client {
         self.record_head_while(|| Ok(()))
     }
 
-    /// The same, as long as `goes_on` says so: it is asked again and again while the rig computes the CRC.
+    /// The same, as long as `goes_on` allows it: it is called repeatedly while the rig computes the CRC.
     ///
     /// # Errors
-    /// As [`Client::record_head`]; that of `goes_on`.
+    /// As [`Client::record_head`], and as `goes_on`.
     pub fn record_head_while(&mut self, mut goes_on: impl FnMut() -> Result<()>) -> Result<RecordHead> {
         let (mut head, mut complete) = self.ask_record_info()?;
         // The rig computes the CRC of its record piece by piece.

@@ -8,7 +8,7 @@ use pneudrive_protocol::{ProfiledMove, ReplyBody, RequestBody};
 use super::Client;
 use super::answer::unexpected;
 
-/// What one answer tells of a test: its last sample, its round, how many moves it has, and some of them.
+/// The content of one answer about a test: its last sample, its round, the number of its moves, and some of them.
 struct Part {
     last_sample: u32,
     round: u32,
