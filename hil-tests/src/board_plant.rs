@@ -28,7 +28,7 @@ pub struct BoardPlant {
 }
 
 impl BoardPlant {
-    /// Opens the port and waits for the board's hello. The plant is that of the rig.
+    /// Opens the port and waits for the board's hello. The plant follows the rig.
     ///
     /// # Errors
     /// When the port cannot be opened, or nothing there speaks the plant bus.

@@ -56,7 +56,7 @@ pub(crate) struct Time {
     pub late: LateSample,
     /// Whether it keeps step with the wall clock.
     pub in_step: bool,
-    /// Samples of the run so far.
+    /// Number of samples in the present run.
     k: u64,
     period_us: u64,
     begun: Instant,

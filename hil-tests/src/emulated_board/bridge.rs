@@ -1,4 +1,4 @@
-//! Bridges the plant bus of an emulated board to a TCP port; a real board has it on a second serial port.
+//! Bridges the plant bus of an emulated board to a TCP port; a real board has the bus on a second serial port.
 
 use std::io::{Read, Write};
 use std::net::{Shutdown, TcpListener, TcpStream};

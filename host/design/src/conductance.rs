@@ -1,4 +1,4 @@
-//! What data sheets say of a valve's flow, as sonic conductance C and critical pressure ratio b (ISO 6358-1).
+//! The flow figures of data sheets as sonic conductance C and critical pressure ratio b (ISO 6358-1).
 //!
 //! ```text
 //! Q  = C p_1 sqrt(T_0/T_1) f(p_2/p_1)                                 volume flow at the reference atmosphere (ANR)

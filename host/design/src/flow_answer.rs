@@ -15,7 +15,7 @@ const REFERENCE: f64 = 1e5;
 pub struct StatedFlow {
     /// m3/s of air at the reference atmosphere (ANR).
     pub flow: f64,
-    /// Absolute pressures in front of the valve and behind it, Pa; None where the text does not say them.
+    /// Absolute pressures in front of the valve and behind it, Pa; None if the text does not state them.
     pub pressures: Option<[f64; 2]>,
 }
 
@@ -23,7 +23,7 @@ impl StatedFlow {
     /// The flow that a text states.
     ///
     /// # Errors
-    /// What is wrong with it, and what would be right.
+    /// The problem and the remedy.
     pub fn read(text: &str) -> Result<StatedFlow, String> {
         let (flow, conditions) = match separating_comma(text) {
             Some(place) => (&text[..place], Some(text[place + 1..].trim())),
@@ -40,7 +40,7 @@ impl StatedFlow {
     }
 }
 
-/// The comma behind the flow: one between two digits is a decimal sign.
+/// The comma after the flow: a comma between two digits is a decimal sign.
 fn separating_comma(text: &str) -> Option<usize> {
     let is_digit = |letter: Option<char>| letter.is_some_and(|letter| letter.is_ascii_digit());
     let between = |place: usize| {

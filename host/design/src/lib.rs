@@ -1,11 +1,11 @@
-//! A drive of one's own: from data sheets to a rig file, and what its values rest on.
+//! From data sheets to a rig file, and the origins of a rig's values.
 //!
 //! | module | holds |
 //! |---|---|
-//! | [`conductance`] | what data sheets say of a valve's flow |
+//! | [`conductance`] | the flow figures of data sheets |
 //! | [`flow_answer`] | a flow with the pressures that it holds for |
 //! | [`flow_map`] | a measured map of a valve, from a table |
-//! | [`question`], [`own_drive`] | what is asked for, and the rig file that it makes |
+//! | [`question`], [`own_drive`] | the questions, and the rig file from their answers |
 //! | [`rig_file`] | rig files that say where values come from |
 //! | [`mended`] | answers that make a rig, near to some that make none |
 //! | [`parts`] | the catalogue: cylinders, valves, tubes, sensors |

@@ -3,8 +3,8 @@
 use crate::own_drive::rig_file;
 use crate::question::{Answers, QUESTIONS, Refusal, question_of};
 
-/// The same answers but those that are refused: each is replaced by what its refusal proposes, left out, or replaced by the
-/// example of its question, whichever does first. None if nothing of this makes a rig.
+/// The same answers with each refused one replaced by the proposal of its refusal, left out, or replaced by the
+/// example of its question, whichever works first. None if nothing of this makes a rig.
 #[must_use]
 pub fn mended(name: &str, answers: &Answers) -> Option<Answers> {
     let mut answers = answers.clone();

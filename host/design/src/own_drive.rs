@@ -68,7 +68,7 @@ pub fn rig_file(name: &str, answers: &Answers) -> Result<String, Vec<Refusal>> {
     if wrong.is_empty() { Ok(text) } else { Err(wrong) }
 }
 
-/// What a user must know of answers that were taken in one of several ways.
+/// A remark for the user on answers that were read in one of several ways.
 #[must_use]
 pub fn remarks(answers: &Answers) -> Vec<String> {
     valve::remark(answers).into_iter().collect()

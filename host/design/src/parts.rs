@@ -1,4 +1,4 @@
-//! The catalogue: cylinders, valves, tubes and sensors, each figure with what it rests on.
+//! The catalogue: cylinders, valves, tubes and sensors, each figure with its source.
 //!
 //! The parts stand in `host/design/parts/*.toml`. A figure there has one of these forms:
 //!
@@ -15,7 +15,7 @@
 use pneudrive_sim::rig::{nearest, read_quantity};
 use toml_edit::{Document, Table, TableLike};
 
-/// What a part is.
+/// The kind of a part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Family {
     /// A cylinder.
@@ -53,19 +53,19 @@ impl Family {
     }
 }
 
-/// Typical values of what catalogues do not say, by `host/design/parts/typical.toml`.
+/// Typical values for gaps of catalogues, from `host/design/parts/typical.toml`.
 const TYPICAL: &str = include_str!("../parts/typical.toml");
 
 /// A figure of a part.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figure {
-    /// What it is called, such as `rod`.
+    /// Its name, such as `rod`.
     pub name: String,
     /// Its value as it is written; None where only a range is known, or nothing.
     pub value: Option<String>,
     /// Between which values it lies.
     pub range: Option<[String; 2]>,
-    /// What it rests on, in words.
+    /// Its source, in words.
     pub basis: String,
 }
 
@@ -97,7 +97,7 @@ fn number(text: &str, unit: &str) -> Result<f64, String> {
 /// A part of the catalogue.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Part {
-    /// What it is.
+    /// Its description.
     pub family: Family,
     /// Its name, such as `iso-15552-32`.
     pub name: String,
@@ -146,7 +146,7 @@ pub fn find(family: Family, name: &str) -> Result<Part, String> {
     })
 }
 
-/// A typical value of what catalogues do not say.
+/// A typical value for a gap of catalogues.
 #[must_use]
 pub fn typical(name: &str) -> Option<Figure> {
     let document = document(TYPICAL);
@@ -234,7 +234,7 @@ mod tests {
         }
     }
 
-    /// What the catalogue must hold at least.
+    /// The minimum contents of the catalogue.
     #[test]
     fn there_are_enough_parts() {
         let count = |family| parts(family).len();

@@ -1,4 +1,4 @@
-//! What a rig file is made from: questions about what stands in catalogues, and the answers to them.
+//! The questions for a rig file, about figures in catalogues, and the answers to them.
 
 use std::collections::BTreeMap;
 
@@ -17,7 +17,7 @@ pub struct Question {
     pub unit: &'static str,
     /// An answer to it.
     pub example: &'static str,
-    /// What holds without an answer; "" where there must be one.
+    /// The value without an answer; "" if an answer is required.
     pub without: &'static str,
 }
 
@@ -70,14 +70,14 @@ pub fn question_of(name: &str) -> Option<&'static Question> {
     QUESTIONS.iter().find(|question| question.name == name)
 }
 
-/// What is wrong with an answer.
+/// The problem of an answer.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Refusal {
     /// The name of the question.
     pub question: &'static str,
-    /// What is wrong, and what to do.
+    /// The problem and the remedy.
     pub message: String,
-    /// The nearest answer that is none of this, where one is known.
+    /// The nearest answer without this problem, if one is known.
     pub instead: Option<String>,
 }
 
@@ -114,7 +114,7 @@ impl Answers {
         }
     }
 
-    /// The answers as they were typed, each behind the name of its question, in the order of the questions.
+    /// The typed answers, each after the name of its question, in the order of the questions.
     pub fn given(&self) -> impl Iterator<Item = (&'static str, &str)> {
         QUESTIONS.iter().filter_map(|question| Some((question.name, self.text(question.name)?)))
     }
@@ -128,7 +128,7 @@ impl Answers {
     /// An answer as a number in the unit of its question; a plain number where that has none.
     ///
     /// # Errors
-    /// When it is none.
+    /// When it is not one.
     ///
     /// # Panics
     /// When there is no such question: a slip in the program.
@@ -154,7 +154,7 @@ impl Answers {
     /// The same where there must be an answer.
     ///
     /// # Errors
-    /// As [`Answers::reading`], and when there is none.
+    /// As [`Answers::reading`], and without an answer.
     pub fn required(&self, name: &'static str) -> Result<f64, Refusal> {
         self.number(name)?.ok_or_else(|| {
             let example = question_of(name).map_or("", |question| question.example);

@@ -8,9 +8,9 @@ use pneudrive_sim::rig::{Key, Source, all_keys};
 /// A rig file on its way: a line for each key.
 #[derive(Clone, Debug, Default)]
 pub struct RigFile {
-    /// What stands above all tables: comments, and the name.
+    /// The head above all tables: comments, and the name.
     head: String,
-    /// The value as TOML has it, and a comment behind it.
+    /// The value in TOML, and a comment after it.
     lines: BTreeMap<&'static str, (String, String)>,
 }
 
@@ -28,7 +28,7 @@ pub struct Number {
 }
 
 impl Number {
-    /// As a data sheet or a user has it.
+    /// From a data sheet or a user.
     #[must_use]
     pub fn given(value: f64, from: impl Into<String>) -> Number {
         Number { value, source: Source::Given, range: None, from: from.into() }
@@ -40,13 +40,13 @@ impl Number {
         Number { value, source: Source::Computed, range: None, from: from.into() }
     }
 
-    /// What is usual.
+    /// A usual value.
     #[must_use]
     pub fn typical(value: f64, range: [f64; 2], from: impl Into<String>) -> Number {
         Number { value, source: Source::Typical, range: Some(range), from: from.into() }
     }
 
-    /// Somewhere in a range; `from` says what finds it.
+    /// Somewhere in a range; `from` names the test that finds it.
     #[must_use]
     pub fn unknown(value: f64, range: [f64; 2], from: impl Into<String>) -> Number {
         Number { value, source: Source::Unknown, range: Some(range), from: from.into() }
@@ -64,7 +64,7 @@ impl Number {
         Number { range, ..self }
     }
 
-    /// The number that `make` makes of this one, its ends made in the same way; it rests on the same or is computed.
+    /// The result of `make` for this number and for its ends; its origin is the same or `computed`.
     #[must_use]
     pub fn map(&self, make: impl Fn(f64) -> f64, from: impl Into<String>) -> Number {
         let range = self.range.map(|ends| {
@@ -118,7 +118,7 @@ impl RigFile {
         self.lines.insert(key.path, (format!("{:?}", choice.word()), why.to_owned()));
     }
 
-    /// Gives a key what TOML has no one type for.
+    /// Gives a key a value without a single TOML type.
     pub fn text(&mut self, path: &'static Key, value: String, why: &str) {
         self.lines.insert(path.path, (value, why.to_owned()));
     }

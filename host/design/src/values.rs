@@ -39,7 +39,7 @@ pub fn to_toml(rig: &Rig) -> String {
     text.trim_start().to_owned()
 }
 
-/// A value as TOML has it: a whole real number keeps its point.
+/// A value in TOML: a whole real number keeps its point.
 fn written(value: &Value) -> String {
     match value {
         Value::Number(number) => format!("{number:?}"),

@@ -28,16 +28,16 @@ pub fn platform() -> String {
     format!("{}-{system}", std::env::consts::ARCH)
 }
 
-/// What the library is called beside the program.
+/// The name of the library beside the program.
 #[must_use]
 pub fn library_name() -> String {
     format!("{}pneudrive_fmu{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX)
 }
 
-/// The rig file of an FMU: the text of a rig with what is set in it, and the rig that it makes.
+/// The rig file of an FMU: the text of a rig with its settings, and the rig.
 ///
 /// # Errors
-/// When the text with the settings is no valid rig, or another one than the settings make of it.
+/// When the text with the settings is not a valid rig, or differs from the rig with the settings.
 pub fn rig_file(source: &str, text: &str, settings: &[String]) -> Result<(Rig, String)> {
     let rig = Rig::read_with(source, text, settings)?;
     let text = with_settings(text, settings, "set when the FMU was made")?;

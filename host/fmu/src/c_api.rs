@@ -1,8 +1,8 @@
 //! The functions of the standard (FMI 3.0, fmi3FunctionTypes.h), by which other programs use an FMU.
 //!
 //! No pointer that comes back from an importer is followed: an instance and a kept state are numbers in the form of a
-//! pointer, and a number that is none is refused. What is unsafe is to read and write the importer's arrays and texts, and to
-//! call its log function. Nothing unwinds into the importer: a panic is caught, logged, and fails the instance.
+//! pointer, and an unknown number is refused. Unsafe are only the access to the importer's arrays and texts, and the
+//! call of its log function. Nothing unwinds into the importer: a panic is caught, logged, and fails the instance.
 
 #![allow(unsafe_code, reason = "arrays, texts and a function of another program")]
 
@@ -81,7 +81,7 @@ pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
     }
 }
 
-/// Ends an instance; one that is none is left alone.
+/// Ends an instance; an unknown one is ignored.
 #[unsafe(no_mangle)]
 pub extern "C" fn fmi3FreeInstance(instance: Handle) {
     remove(instance);

@@ -160,7 +160,7 @@ fn element(variable: &Variable) -> String {
     )
 }
 
-/// An output is what the last step has left: no input reaches it without one.
+/// An output is the result of the last step: no input reaches it without a step.
 fn structure(xml: &mut String, variables: &[Variable]) {
     xml.push_str("  <ModelStructure>\n");
     for element in ["Output", "InitialUnknown"] {

@@ -1,12 +1,12 @@
-//! A model in the states of the standard (FMI 3.0, 4.2): what may be asked of it when.
+//! A model in the states of the standard (FMI 3.0, 4.2): which calls are allowed when.
 //!
 //! ```text
 //! instantiated --enter--> initialising --exit--> stepping --terminate--> terminated
 //!       ^_________________________reset, from any state________________________|
 //! ```
 //!
-//! Parameters may be set until the initialisation ends; the model is built when something is asked of it, or then. A step
-//! that fails leaves the instance in a state in which it can only be reset, or set back to a state that was kept.
+//! Parameters may be set until the initialisation ends. The model is built then, or at the first call that needs it.
+//! A step that fails leaves the instance in a state in which it can only be reset, or set back to a kept state.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -24,7 +24,7 @@ use crate::variable::{Role, Variable, variables};
 /// Where the rig file of an FMU is, below its resources.
 pub const RIG_FILE: &str = "rig.toml";
 
-/// One drive, or a part of one, as an importer has it.
+/// The importer's view of one drive, or a part of one.
 #[derive(Debug)]
 pub struct Instance {
     fixed: Arc<Fixed>,
@@ -33,7 +33,7 @@ pub struct Instance {
     kept: BTreeMap<usize, Now>,
 }
 
-/// What does not change.
+/// The constant data.
 #[derive(Debug)]
 struct Fixed {
     part: Part,
@@ -43,7 +43,7 @@ struct Fixed {
     period_s: f64,
 }
 
-/// What an FMU state is.
+/// The contents of an FMU state.
 #[derive(Clone, Debug)]
 struct Now {
     phase: Phase,
@@ -108,7 +108,7 @@ impl Instance {
     /// The initialisation begins; the first sample is at `start_time`, s.
     ///
     /// # Errors
-    /// In another state than right behind the instantiation.
+    /// In another state than right after the instantiation.
     pub fn enter_initialisation(&mut self, start_time: f64) -> Result<()> {
         self.require(&[Phase::Instantiated], "initialised")?;
         if !start_time.is_finite() {
@@ -145,7 +145,7 @@ impl Instance {
         Ok(())
     }
 
-    /// As it was right behind the instantiation. States that were kept are kept.
+    /// The state right after the instantiation. Kept states stay.
     pub fn reset(&mut self) {
         self.now = Now::of(&self.fixed);
     }
@@ -168,7 +168,7 @@ impl Instance {
     pub fn step(&mut self, time: f64, step: f64) -> Result<()> {
         self.require(&[Phase::Stepping], "stepped")?;
         let period_s = self.fixed.period_s;
-        // Times are sums of steps, and steps differences of times: each has lost what lies between two doubles there.
+        // Times are sums of steps, and steps are differences of times. Each has lost digits there.
         let lost = lost_at(self.time());
         let is_present = (time - self.time()).abs() <= 1e-3 * period_s + lost;
         if !is_present {
@@ -188,7 +188,7 @@ impl Instance {
     /// The value of a variable.
     ///
     /// # Errors
-    /// For a reference that is none, another type, and before the initialisation.
+    /// For an unknown reference, another type, and before the initialisation.
     pub fn get(&mut self, reference: u32, kind: Kind) -> Result<Value> {
         let fixed = Arc::clone(&self.fixed);
         let variable = fixed.variable(reference, kind)?;
@@ -209,7 +209,7 @@ impl Instance {
     /// Sets a variable.
     ///
     /// # Errors
-    /// For a reference that is none, another type, a value out of range, and what may not be set now.
+    /// For an unknown reference, another type, a value out of range, and a variable that may not be set now.
     pub fn set(&mut self, reference: u32, kind: Kind, value: Value) -> Result<()> {
         let fixed = Arc::clone(&self.fixed);
         let variable = fixed.variable(reference, kind)?;
@@ -229,7 +229,7 @@ impl Instance {
         Ok(())
     }
 
-    /// Keeps the present state, and tells its number.
+    /// Keeps the present state, and returns its number.
     #[must_use]
     pub fn keep(&mut self) -> usize {
         let number = NEXT_STATE.fetch_add(1, Ordering::Relaxed);
@@ -274,7 +274,7 @@ impl Instance {
 /// More than this part of a sample period must not be lost between two doubles.
 const LOST_OF_PERIOD: f64 = 0.1;
 
-/// What sums and differences of times lose near one, s: some distances from a double to the next.
+/// The error of sums and differences of times near one, s: some distances from a double to the next.
 fn lost_at(time: f64) -> f64 {
     4.0 * (time.abs().next_up() - time.abs())
 }
@@ -308,7 +308,7 @@ impl Now {
         }
     }
 
-    /// What a parameter is now.
+    /// The present value of a parameter.
     fn parameter(&self, variable: &Variable) -> Option<Value> {
         self.parameters.get(&variable.reference).copied().or(variable.start)
     }

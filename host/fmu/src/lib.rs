@@ -16,10 +16,10 @@
 //! | module | holds |
 //! |---|---|
 //! | [`part`] | which part an FMU is, and the token by which library and rig know each other |
-//! | [`signal`] | types and values of what goes into a model and comes out of it |
+//! | [`signal`] | types and values of the inputs and outputs of a model |
 //! | [`model`] | plant, controller and drive, a sample at a time |
-//! | [`variable`] | the variables of an FMU: names, numbers, units, what may be set |
-//! | [`instance`] | a model in the states of the standard: what may be asked of it when |
+//! | [`variable`] | the variables of an FMU: names, numbers, units, whether they may be set |
+//! | [`instance`] | a model in the states of the standard: which calls are allowed when |
 //! | [`description`] | modelDescription.xml |
 //! | [`archive`] | the FMU as a file |
 //! | [`c_api`] | the functions of the standard, with unsafe code: pointers of a program in C |

@@ -18,7 +18,7 @@ use controller::Controller;
 use drive::Drive;
 use plant::Plant;
 
-/// What a model is made of besides its rig.
+/// The data of a model besides its rig.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Choices {
     /// The controller runs the test of the rig, instead of following its input.
@@ -106,7 +106,7 @@ pub fn outputs(part: Part, _rig: &Rig) -> Vec<Signal> {
     }
 }
 
-/// What the inputs of a part are before they are set: the drive stands where the rig's test starts, and is to stay there.
+/// The inputs of a part before they are set: the drive stands where the rig's test starts, and stays there.
 #[must_use]
 pub fn starts(part: Part, rig: &Rig) -> Vec<Value> {
     let counted = i64::from(Encoder::at_rest(rig, rig.get(&keys::test::POSITION_M)));

@@ -1,4 +1,4 @@
-//! Which part of a drive an FMU is, and of which rig.
+//! The part of a drive in an FMU, and its rig.
 
 use anyhow::{Result, bail};
 use pneudrive_protocol::frame::crc32;
@@ -12,7 +12,7 @@ use pneudrive_sim::keys;
 pub enum Part {
     /// Valve, tubes, cylinder, load and sensors.
     Plant,
-    /// The controller, bit for bit that of the firmware.
+    /// The controller, bit for bit the firmware's.
     Controller,
     /// Both.
     Drive,
@@ -44,7 +44,7 @@ impl Part {
         self != Part::Plant
     }
 
-    /// What modelDescription.xml calls the library: the name of its file.
+    /// The name of the library in modelDescription.xml: the name of its file.
     #[must_use]
     pub fn identifier(self) -> String {
         format!("pneudrive_{}", self.word())
@@ -53,7 +53,7 @@ impl Part {
     /// Whether an FMU of this part can be made of a rig.
     ///
     /// # Errors
-    /// For what `pneudrive simulate` has and the firmware has not: the continuous controller, the historical bug.
+    /// For features of `pneudrive simulate` that the firmware lacks: the continuous controller, the historical bug.
     pub fn check(self, rig: &Rig) -> Result<()> {
         if rig.get(&keys::controller::MODEL) == Model::Continuous {
             bail!(

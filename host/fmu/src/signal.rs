@@ -1,4 +1,4 @@
-//! What goes into a model and comes out of it: its type, its value.
+//! An input or output of a model: its type, its value.
 
 /// A type of the standard.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,7 +38,7 @@ pub enum Value {
 }
 
 impl std::fmt::Display for Value {
-    /// As TOML and XML have it: a Float64 with as many digits as tell it from all others.
+    /// In TOML and XML: a Float64 with enough digits to distinguish it from all others.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Value::Float(value) => write!(f, "{value:?}"),
@@ -55,7 +55,7 @@ pub struct Signal {
     pub name: &'static str,
     /// Its type.
     pub kind: Kind,
-    /// What it is.
+    /// Its type.
     pub meaning: &'static str,
     /// The least and the most that an input takes.
     pub range: Option<[i64; 2]>,

@@ -5,7 +5,7 @@
 //! | 0 | time |
 //! | from 1 | inputs of the model, in its order |
 //! | from 100 | outputs of the model, in its order |
-//! | 900, 901 | what is no key of the rig: run_test, seed |
+//! | 900, 901 | parameters that are not keys of the rig: run_test, seed |
 //! | from 1000 | keys of the rig file, by their place in the list of all keys |
 //!
 //! A parameter has the name, the unit and the range of its key (`pneudrive rig explain KEY`). Keys of models that the rig
@@ -20,7 +20,7 @@ use crate::model;
 use crate::part::Part;
 use crate::signal::{Kind, Signal, Value};
 
-/// What a variable is for.
+/// The purpose of a variable.
 #[derive(Clone, Copy, Debug)]
 pub enum Role {
     /// The time of the simulation.
@@ -31,7 +31,7 @@ pub enum Role {
     Output(usize),
     /// Whether the controller runs the test of the rig file, or follows its input.
     RunTest,
-    /// What the noise of the sensors is drawn from.
+    /// The seed of the sensor noise.
     Seed,
     /// A key of the rig file.
     Key(&'static Key),
@@ -44,7 +44,7 @@ pub struct Variable {
     pub name: &'static str,
     /// Value reference.
     pub reference: u32,
-    /// What it is for.
+    /// Its purpose.
     pub role: Role,
     /// Its type.
     pub kind: Kind,
@@ -52,7 +52,7 @@ pub struct Variable {
     pub start: Option<Value>,
     /// Of inputs and parameters: the least and the most.
     pub range: Option<[Value; 2]>,
-    /// What it is.
+    /// Its meaning.
     pub meaning: &'static str,
 }
 
@@ -89,7 +89,7 @@ impl Variable {
     /// Whether a value may be given to it.
     ///
     /// # Errors
-    /// For a number that is none, and one out of range.
+    /// For an invalid number, and one out of range.
     pub fn check(&self, value: Value) -> Result<()> {
         if matches!(value, Value::Float(number) if !number.is_finite()) {
             bail!("{} must be a finite number, is {value}", self.name);
@@ -188,20 +188,20 @@ const OF_PLANT: [&str; 7] = [
     "test.temperature_2_k",
 ];
 
-/// Whether a part goes by a key.
+/// Whether a part uses a key.
 fn concerns(part: Part, key: &Key) -> bool {
     let of_controller = ["controller", "safety", "test"].contains(&key.table());
     let of_plant = !of_controller || OF_PLANT.contains(&key.path);
     key.path != keys::controller::PERIOD_S.path
         && match part {
             Part::Plant => of_plant,
-            // Lengths in counts, and what sensors can read.
+            // Lengths in counts, and ranges of readings.
             Part::Controller => of_controller || ["encoder", "sensors"].contains(&key.table()),
             Part::Drive => true,
         }
 }
 
-/// The parameter of a key, if it has a number and the part goes by it.
+/// The parameter of a key, if it has a number and the part uses it.
 fn of_key(part: Part, rig: &Rig, key: &'static Key, reference: u32) -> Option<Variable> {
     if !concerns(part, key) || !rig.uses(key) {
         return None;

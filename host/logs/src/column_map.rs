@@ -1,4 +1,4 @@
-//! Which column of a log is what, as a TOML file:
+//! The assignment of columns of a log, as a TOML file:
 //!
 //! ```toml
 //! [time]
@@ -33,14 +33,14 @@ use toml_edit::{DocumentMut, Item, Table};
 /// The command of a fully open valve, counts.
 const FULL: f64 = 2048.0;
 
-/// What is read of a log, in the order of [`CHANNELS`].
+/// The quantities that are read from a log, in the order of [`CHANNELS`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct ColumnMap {
     /// When the samples were taken.
     pub time: Time,
     /// More than this between two samples is a gap, s; None of three mean steps.
     pub gap_s: Option<f64>,
-    /// One column each; None of what the log does not have.
+    /// One column each; None for a quantity that the log does not have.
     pub channels: [Option<Column>; CHANNELS.len()],
 }
 
@@ -76,7 +76,7 @@ pub const COMMAND: usize = 4;
 /// The setpoint.
 pub const SETPOINT: usize = 5;
 
-/// A column, and what turns its values into the channel's unit.
+/// A column, and the conversion of its values to the channel's unit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Column {
     /// Which it is.
@@ -117,7 +117,7 @@ impl ColumnMap {
     /// Reads a map. Gauge pressures count from `ambient_pa`.
     ///
     /// # Errors
-    /// With the table and what is wrong in it.
+    /// The table and its problem.
     pub fn from_text(text: &str, ambient_pa: f64) -> Result<ColumnMap> {
         let document: DocumentMut = text.parse()?;
         for (name, _) in document.iter() {
@@ -268,7 +268,7 @@ fn command(table: &Table) -> Result<(f64, f64)> {
     }
 }
 
-/// What one of a unit is in another, and whether it counts from the surroundings.
+/// The value of one unit in another, and whether it counts from the surroundings.
 fn worth(unit: &str, target: &str) -> Result<(f64, bool)> {
     let one = read_quantity(&format!("1 {unit}"), target).map_err(|problem| anyhow!("unit: {problem}"))?;
     Ok((one.value, one.gauge))

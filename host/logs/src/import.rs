@@ -1,8 +1,8 @@
 //! A log of another recorder as a TARGET file of a rig: its encoder counts, converters and parameters.
 //!
-//! Where the samples of all channels are taken together at equal distances, they stay as they are. Otherwise they are
-//! taken again at the rig's period or the one that is asked for: on the straight line between two samples; commands and
-//! setpoints hold until the next.
+//! If the samples of all channels are taken together at equal distances, they stay as they are. Otherwise they are
+//! resampled at the rig's period or the requested one: by linear interpolation; commands and setpoints hold until the
+//! next.
 //!
 //! Where two samples are further apart than a limit, nothing is known in between: the record has a gap there, as a stream that
 //! lost samples.
@@ -23,7 +23,7 @@ use crate::log::{Log, Series};
 pub struct Imported {
     /// The record.
     pub file: TargetFile,
-    /// What the user has to know of it.
+    /// The remarks for the user.
     pub remarks: Vec<String>,
 }
 
@@ -43,7 +43,7 @@ struct Table {
     period_s: f64,
     /// The multiple of each value, from 0; gaps leave some out.
     indices: Vec<i32>,
-    /// None of what the log does not have.
+    /// None for a quantity that the log does not have.
     channels: [Option<Vec<f64>>; CHANNELS.len()],
     remark: Option<String>,
 }
@@ -65,7 +65,7 @@ pub fn import(log: &Log, map: &ColumnMap, rig: &Rig, period_s: Option<f64>) -> R
     Ok(imported)
 }
 
-/// What has to be said of the file.
+/// The remarks on the file.
 fn remarks(log: &Log, map: &ColumnMap) -> Result<Vec<String>> {
     let mut remarks = log.table.as_ref().map_or_else(Vec::new, |table| table.notes().to_vec());
     if let Time::Column(of, Some(_)) = &map.time

@@ -5,7 +5,7 @@
 //! | [`signals`] | the signals of a record, a streamed run or a simulated run, in SI units |
 //! | [`export`] | the same as CSV, MAT (MATLAB, SciPy), MCAP (PlotJuggler, Foxglove) or Parquet |
 //! | [`log`] | the series of a CSV or MCAP file of another recorder |
-//! | [`column_map`] | which series is the position, which a pressure, and in what units |
+//! | [`column_map`] | the assignment of series to position, pressures and the like, with their units |
 //! | [`import`] | a log as a TARGET file, for `overlay`, `eval`, `spectrum` and `identify` |
 //!
 //! Nothing is printed.

@@ -17,7 +17,7 @@ pub struct Series {
     pub name: String,
     /// When the file says it, the time of each value, s from the first message.
     pub clock_s: Option<Vec<f64>>,
-    /// Not a number where there is none.
+    /// Not a number if there is none.
     pub values: Vec<f64>,
 }
 
@@ -33,7 +33,7 @@ pub struct Log {
 }
 
 impl Log {
-    /// Reads a CSV or MCAP file, by what it is.
+    /// Reads a CSV or MCAP file, by its contents.
     ///
     /// # Errors
     /// When it cannot be read, or is neither.
@@ -57,7 +57,7 @@ impl Log {
     /// The numbers of a column, or of a field of a message.
     ///
     /// # Errors
-    /// When there is none of that name or more than one, with the names that there are, or when its decimal sign stays open.
+    /// When no column or more than one has that name, with the existing names, or when its decimal sign is ambiguous.
     pub fn get(&self, of: &Source) -> Result<Series> {
         let Some(table) = &self.table else { return self.field(&of.column).cloned() };
         let place = table.place(&of.column).with_context(|| self.name.clone())?;
@@ -92,7 +92,7 @@ impl Log {
     /// The times of a column of times with a date, s from its first; None of another column.
     ///
     /// # Errors
-    /// When there is none of that name or more than one, or a cell is no time.
+    /// When no column or more than one has that name, or a cell is not a time.
     pub fn times(&self, of: &Source) -> Result<Option<Vec<f64>>> {
         let Some(table) = &self.table else { return Ok(None) };
         let times = table.place(&of.column).and_then(|place| table.times(place));

@@ -1,6 +1,6 @@
 //! The signals of a transient, in SI units, whatever file it comes from.
 //!
-//! Names are those of trace.csv, with their units: `position_m`, `pressure_1_pa`. What is unknown is not a number.
+//! Names are those of trace.csv, with their units: `position_m`, `pressure_1_pa`. Unknown values are not a number.
 
 use std::path::Path;
 
@@ -22,7 +22,7 @@ pub struct Signal {
 /// The signals of a transient.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Signals {
-    /// What is known of all samples: the header of a record, the rig of a run.
+    /// Facts about all samples: the header of a record, the rig of a run.
     pub about: Vec<(String, String)>,
     /// s, from the start of the test; grows from sample to sample.
     pub time_s: Vec<f64>,
@@ -31,7 +31,7 @@ pub struct Signals {
 }
 
 impl Signals {
-    /// Of a TARGET file, a streamed run or a run folder, by what it is.
+    /// The signals of a TARGET file, a streamed run or a run folder, by its contents.
     ///
     /// # Errors
     /// When it is none of them, or damaged.
@@ -39,7 +39,7 @@ impl Signals {
         if path.is_dir() {
             return Ok(Signals::of_run(StoredRun::read(path)?));
         }
-        // Refuses what is part of a run folder.
+        // Refuses a part of a run folder.
         let transient = Transient::read(path)?;
         Signals::of_record(&transient, &TargetFile::read(path)?)
     }

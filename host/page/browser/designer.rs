@@ -6,9 +6,8 @@
 //! answer:  a status as HTTP has it; JSON, or columns of numbers; of a study, `hear` is called before with how far it is
 //! ```
 //!
-//! The functions take and give numbers only, so no tool has to generate code around them and none of them needs an unsafe
-//! block: they tell where in the module's own memory the bytes are. A panic ends the module; what it said is at
-//! `failure_at()`.
+//! The functions take and return only numbers: addresses in the module's own memory. So no tool has to generate code
+//! around them, and none of them needs an unsafe block. A panic ends the module; its message is at `failure_at()`.
 //!
 //! | module | holds |
 //! |---|---|

@@ -20,7 +20,7 @@ static REQUEST: Mutex<Vec<u8>> = Mutex::new(Vec::new());
 static ANSWER: Mutex<Vec<u8>> = Mutex::new(Vec::new());
 static FAILURE: Mutex<String> = Mutex::new(String::new());
 
-/// Writes down what a panic says, for the page to read after the module has ended.
+/// Stores a panic's message, for the page to read after the module has ended.
 static PANICS: LazyLock<()> = LazyLock::new(|| {
     std::panic::set_hook(Box::new(|panic| panic.to_string().clone_into(&mut locked(&FAILURE))));
 });
@@ -29,7 +29,7 @@ fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Makes room for a request of `length` bytes, and tells where.
+/// Makes room for a request of `length` bytes, and returns its address.
 #[unsafe(no_mangle)]
 pub extern "C" fn room(length: usize) -> *mut u8 {
     LazyLock::force(&PANICS);
@@ -39,7 +39,7 @@ pub extern "C" fn room(length: usize) -> *mut u8 {
     request.as_mut_ptr()
 }
 
-/// Answers the request that was written, and tells the status.
+/// Answers the request that was written, and returns the status.
 #[unsafe(no_mangle)]
 pub extern "C" fn answer() -> u32 {
     let request = std::mem::take(&mut *locked(&REQUEST));

@@ -18,7 +18,7 @@ struct Request {
     body: Value,
 }
 
-/// What a request is answered with.
+/// The answer to a request.
 #[derive(Clone, Debug)]
 pub struct Reply {
     /// 200, or why it is refused.

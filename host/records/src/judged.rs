@@ -22,7 +22,7 @@ impl Default for Spacing {
     }
 }
 
-/// A run, with what shows how far it can be trusted.
+/// A run, with the evidence of how far it can be trusted.
 #[derive(Clone, Debug)]
 pub struct Judged {
     /// The nominal run.

@@ -1,7 +1,7 @@
 //! A test whose setpoint goes through the points of a table, in straight lines: it has the columns `time_s` and `position_mm`.
 //!
-//! A test has as many lines as the controller has moves. Points that are within a count of a line between two others are
-//! therefore left out, and what is left is held against the limits of the test:
+//! A test has as many lines as the controller has moves. So points within a count of a line between two others are
+//! left out, and the rest is checked against the limits of the test:
 //!
 //! ```text
 //! v_i = (x_i - x_(i-1))/(t_i - t_(i-1))                  of line i; 0 before the first line and behind the last one
@@ -22,7 +22,7 @@ const COLUMNS: [&str; 2] = ["time_s", "position_mm"];
 /// After the last point the drive has this long to come to rest, s.
 const REST_S: f64 = 0.5;
 
-/// What a test with other moves keeps of a rig's own, where it is set.
+/// The settings of a rig's own test that other moves keep.
 const KEPT: [&Key; 7] = [
     &keys::test::TRACE_PERIOD_S.key,
     &keys::test::DECIMATION.key,
@@ -46,7 +46,7 @@ struct Point {
 pub struct Through {
     /// The rig.
     pub rig: Rig,
-    /// What becomes of the points, a sentence each.
+    /// The remarks on the points, a sentence each.
     pub notes: Vec<String>,
 }
 

@@ -1,4 +1,4 @@
-//! Move records of a drive as text: what a file or a command line says of them, and what the drive has.
+//! Move records of a drive as text: the form in a file or on a command line, and the form in the drive.
 //!
 //! A file has a table `[[record]]` for each:
 //!
@@ -6,7 +6,7 @@
 //! |---|---|
 //! | `number` | 1 to 15; the inputs of the drive select it |
 //! | `dwell_s` | how long the axis stays at its target before it counts as in position; 0 if absent |
-//! | others | those of `[[test.move]]` but `at_s` and `points`: `to_mm`, `profile`, `velocity_mm_s`, ... |
+//! | others | those of `[[test.move]]` except `at_s` and `points`: `to_mm`, `profile`, `velocity_mm_s`, ... |
 //!
 //! A drive begins a record wherever it stands. So a ramp has the lengths of the longest way to its target between the end
 //! positions of the drive: it is within its limits from anywhere, and takes the same time from anywhere.
@@ -35,7 +35,7 @@ pub struct MoveRecord {
 /// The records of a file, for a drive with these parameters; `source` names the file in messages.
 ///
 /// # Errors
-/// With the first record that is none, or whose number came before.
+/// The first invalid record, or one whose number came before.
 pub fn records_of(source: &str, text: &str, drive: &RigParameters) -> Result<Vec<MoveRecord>> {
     let mut document: DocumentMut = text.parse().with_context(|| source.to_owned())?;
     let entries = match document.remove("record") {
@@ -132,7 +132,7 @@ fn move_of(entry: Table, drive: &RigParameters) -> Result<Move> {
     Ok(*next)
 }
 
-/// What the reader must know of the drive: its scale, its clock, and how far it may go.
+/// The reader's knowledge of the drive: its scale, its clock, and its range.
 fn settings_of(drive: &RigParameters) -> Result<Vec<String>> {
     let known = |id: u16| {
         let value = drive.values.get(id).filter(|_| !drive.lacking.contains(&id));

@@ -1,4 +1,4 @@
-//! Names and values of the controller's parameters for users: those of rig files.
+//! Names and values of the controller's parameters for users, as in rig files.
 //!
 //! A parameter set by a single key of a rig file has the name, the unit and the words of that key: `hold_ms = 60000` of
 //! the device is `safety.hold_s = 60`. A parameter computed from several keys (a limit in counts depends on the stroke,
@@ -41,7 +41,7 @@ impl Written {
         TABLE.iter().filter_map(|parameter| Written::of(parameter.id))
     }
 
-    /// Its unit: that of the key, which may be part of the key's name.
+    /// Its unit: the key's, which may be part of the key's name.
     pub fn unit(&self) -> &'static str {
         match self.form {
             Whole => self.parameter.unit,
@@ -82,10 +82,10 @@ impl Written {
         value.with_context(|| self.name)
     }
 
-    /// Sets a parameter to the value of a text; a list to values between commas, the last of which repeats.
+    /// Sets a parameter from a text; a list from values between commas, the last of which repeats.
     ///
     /// # Errors
-    /// When it is no such value, out of range, or the list is longer than that of the device; nothing is changed then.
+    /// When the value is invalid, out of range, or the list is longer than the device's; nothing is changed then.
     pub fn put(&self, text: &str, parameters: &mut Parameters) -> Result<()> {
         let Parameter { id, len, .. } = *self.parameter;
         let entries = text.trim().trim_start_matches('[').trim_end_matches(']').split(',');

@@ -8,7 +8,7 @@ use crate::untrusted::{NAME, sanitised};
 /// The most samples of a record: its chunks are identified by the 16-bit numbers of requests.
 const MAX_SAMPLES: usize = u16::MAX as usize * CHUNK_SAMPLES;
 
-/// What is known of a record before its samples are downloaded.
+/// The facts known of a record before its samples are downloaded.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RecordHead {
     /// Name of the test.
@@ -61,7 +61,7 @@ impl RecordHead {
         }
     }
 
-    /// Whether another head is that of the same record: all but the measured period is equal.
+    /// Whether another head belongs to the same record: all but the measured period is equal.
     #[must_use]
     pub fn is_of_the_same_record(&self, other: &RecordHead) -> bool {
         let measured_period_ns = self.measured_period_ns;
@@ -106,10 +106,10 @@ impl RecordHead {
     }
 }
 
-/// A recorded transient with what is known about it.
+/// A recorded transient with its facts.
 #[derive(Clone, Debug)]
 pub struct Record {
-    /// What is known about it.
+    /// Its facts.
     pub head: RecordHead,
     /// The samples, oldest first.
     pub samples: Vec<RecordedSample>,

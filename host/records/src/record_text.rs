@@ -9,8 +9,8 @@ use crate::rig_info::{Info, RigParameters};
 use crate::units::lacks_pressures;
 use crate::untrusted::{NAME, sanitised};
 
-/// Key of the channels that were not measured, separated by commas: `pressure_1,spool`. Their columns hold 0; without a
-/// setpoint that of the error does.
+/// Key of the channels that were not measured, separated by commas: `pressure_1,spool`. Their columns hold 0; without
+/// a setpoint the column of the error does.
 pub const UNKNOWN: &str = "unknown";
 
 /// The channels of a rig without pressure sensors.

@@ -1,4 +1,4 @@
-//! What a rig reports: its identity, and its parameters.
+//! A rig's report: its identity, and its parameters.
 
 use pneudrive_controller::Parameters;
 use pneudrive_controller::parameters::lookup;
@@ -10,7 +10,7 @@ pub struct Info {
     pub version: u16,
     /// Version of the firmware.
     pub firmware: String,
-    /// What it was built from.
+    /// Its build.
     pub build: String,
     /// Kind of board.
     pub board: String,

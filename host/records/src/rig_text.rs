@@ -34,7 +34,7 @@ const OWN: [&str; 6] = [
     "set when the FMU was made",
 ];
 
-/// What a user wrote behind the value at a path, or behind the same key spelt without its unit.
+/// The user's comment after the value at a path, or after the same key without its unit.
 fn comment(document: &DocumentMut, path: &str) -> Option<String> {
     let (table, name) = match path.split_once('.') {
         Some((table, name)) => (document.get(table)?.as_table_like()?, name),

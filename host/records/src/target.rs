@@ -82,7 +82,7 @@ impl TargetFile {
         self.header.iter().find(|(name, _)| name == key).map(|(_, value)| value.as_str())
     }
 
-    /// Whether a channel was not measured, as the rig has no sensor of it or the log that this record was made from did not
+    /// Whether a channel was not measured, because the rig has no sensor of it, or the log of this record did not
     /// have it: `pressure_1`, `pressure_2`, `spool` or `setpoint`.
     #[must_use]
     pub fn is_unknown(&self, channel: &str) -> bool {

@@ -9,7 +9,7 @@ use pneudrive_tables::text::utf8;
 /// The text of a file: UTF-8, without a byte order mark.
 ///
 /// # Errors
-/// When it cannot be read, or has another encoding: with the file, and what to do.
+/// When it cannot be read, or has another encoding: with the file, and the remedy.
 pub fn read(path: &Path) -> Result<String> {
     let bytes = fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
     utf8(&bytes).with_context(|| path.display().to_string())

@@ -15,7 +15,7 @@ pub struct Units {
     spool_mm: Option<[f64; 2]>,
     open_loop: bool,
     stepper: bool,
-    /// The rig has no pressure sensors: what is recorded of them is no measurement.
+    /// The rig has no pressure sensors, so its recorded pressures are not measurements.
     no_pressures: bool,
 }
 

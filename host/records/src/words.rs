@@ -32,7 +32,7 @@ pub fn convergence(convergence: &Convergence) -> String {
     }
 }
 
-/// A line about a run, one that tells whether it has converged, and one about its perturbed runs.
+/// A line about a run, one about its convergence, and one about its perturbed runs.
 pub fn run(rig: &Rig, judged: &Judged) -> Vec<String> {
     let lost = judged.band.as_ref().and_then(|_| lost(&judged.lost));
     let members = judged.band.as_ref().map(|_| {
@@ -61,7 +61,7 @@ pub fn summary(rig: &Rig, run: &Run) -> String {
     )
 }
 
-/// What went wrong with the members of the ensemble of a run, if anything.
+/// The failures among the perturbed runs of a run, if any.
 pub fn lost(lost: &FailedMembers) -> Option<String> {
     let tripped = (!lost.tripped.is_empty()).then(|| {
         let mut names: Vec<&str> = lost.tripped.iter().map(|fault| fault_name(*fault)).collect();
@@ -126,7 +126,7 @@ pub fn fault_code_name(code: u8) -> String {
     Fault::from_code(code).map_or_else(|| format!("fault {code}"), |fault| fault_name(fault).to_owned())
 }
 
-/// What a fault means.
+/// The meaning of a fault.
 pub fn fault_meaning(code: u8) -> &'static str {
     match Fault::from_code(code) {
         Some(Fault::Stop) => "a stop was requested",
@@ -155,7 +155,7 @@ pub fn fault_meaning(code: u8) -> &'static str {
     }
 }
 
-/// Why the rig refused a request that it accepts in another state, by the code of its refusal, and what to do.
+/// Why the rig refused a request that it accepts in another state, by the code of its refusal, and the remedy.
 fn not_now(of: u8) -> String {
     match Refusal::from_code(of) {
         Some(Refusal::NotArmed) => {
@@ -205,7 +205,7 @@ fn not_now(of: u8) -> String {
     }
 }
 
-/// Why the rig refused, and what to do.
+/// Why the rig refused, and the remedy.
 pub fn refusal(refused: &Refused<'_>) -> String {
     match refused {
         Refused::NotNow(of) => not_now(*of),
@@ -247,7 +247,7 @@ pub fn no_boots() -> &'static str {
     "the rig does not tell its boots apart: a duplicate of a request that the link delays past a reset can still arm and move the drive; its flash does not store their number; check the board"
 }
 
-/// Who commands the drive, and what another host can do about it.
+/// The owner of the drive, and the options of another host.
 pub fn owned(presence: Presence, host: &str, silent_ms: u32) -> String {
     let host = sanitised(host, NAME);
     match presence {

@@ -75,7 +75,7 @@ struct VirtualBoard {
     time_us: u64,
     /// Time since the sample's instant.
     since_sample_us: u64,
-    /// Samples of the run so far.
+    /// Number of samples in the present run.
     k: u64,
     late: LateSample,
     /// The wires between board and drive.

@@ -36,7 +36,7 @@ const PUSH_M: f64 = 0.02;
 /// How long it takes to push the slide out and back, us.
 const PUSH_US: u64 = 2_000_000;
 
-/// A drive that has been disabled for so long may be pushed again, us.
+/// A drive that has been disabled for this long may be pushed again, us.
 const PAUSE_US: u64 = 3_000_000;
 
 /// Frequency of the mains, Hz.
@@ -51,7 +51,7 @@ pub enum WiringFault {
     TubesSwapped,
     /// The tracks of the encoder are on each other's input.
     EncoderSwapped,
-    /// A track of the encoder does not switch, for want of its pull-up.
+    /// A track of the encoder does not switch, because its pull-up is missing.
     EncoderPullUp,
     /// The transmitters are on each other's input.
     PressuresSwapped,
@@ -140,7 +140,7 @@ impl Wiring {
     }
 }
 
-/// What the board gets to see, and the drive gets to do, over these wires.
+/// The signals that board and drive exchange over these wires.
 #[derive(Debug)]
 pub(crate) struct Signals {
     pub wiring: Wiring,
@@ -169,12 +169,12 @@ impl Signals {
         }
     }
 
-    /// The clock of the board begins anew: a hand lets go.
+    /// The clock of the board starts again: a hand lets go.
     pub fn restart(&mut self) {
         (self.push_since, self.disabled_since) = (None, None);
     }
 
-    /// What the controller is given of a sample at this time (us); `disabled`: a hand may push the slide.
+    /// The controller's inputs from a sample at this time (us); `disabled`: a hand may push the slide.
     pub fn sensed(&mut self, config: &Config, sample: Sample, time_us: u64, disabled: bool) -> Sample {
         let pushed = self.pushed(time_us, disabled);
         let has = |fault| self.wiring.has(fault);
@@ -196,7 +196,7 @@ impl Signals {
         seen
     }
 
-    /// What the drive gets of a command.
+    /// The part of a command that reaches the drive.
     pub fn driven(&self, config: &Config, command: Command) -> Command {
         let has = |fault| self.wiring.has(fault);
         let Command { counts, step, .. } = command;
@@ -229,7 +229,7 @@ impl Signals {
         (self.counts_per_push * half_wave * half_wave) as i32
     }
 
-    /// Whether a push begins on a drive that has been disabled for so long.
+    /// Whether a push begins on a drive that has been disabled for long enough.
     fn begins(&self, rested_us: u64) -> bool {
         self.wiring.with(|shared| match shared.pushes {
             Pushes::Never => false,

@@ -5,10 +5,10 @@ use csv::{ReaderBuilder, StringRecord, Trim};
 use crate::instant::nanoseconds;
 use crate::number::{Shape, shape};
 
-/// What may stand between cells. Of two that fit equally, the first one is taken.
+/// The delimiters. Of two that fit equally well, the first one is taken.
 const DELIMITERS: [u8; 4] = [b'\t', b';', b',', b'|'];
 
-/// The delimiter is chosen by the lines in so many bytes.
+/// The lines in this many bytes decide the delimiter.
 const SAMPLE: usize = 1 << 16;
 
 /// A line of cells, with its number.
@@ -23,7 +23,7 @@ impl Record {
         (1..).zip(&self.cells).filter(|(_, cell)| !cell.is_empty()).last().map_or(0, |(place, _)| place)
     }
 
-    /// Whether half of what stands in it are numbers or times.
+    /// Whether half of its cells are numbers or times.
     pub fn has_numbers(&self) -> bool {
         let there = self.cells.iter().filter(|cell| !cell.is_empty()).count();
         let numbers = numbers(&self.cells);
@@ -85,7 +85,7 @@ pub fn dialect(text: &str, said: Option<u8>) -> Option<Dialect> {
     best.map(|(_, dialect)| dialect)
 }
 
-/// How well a delimiter cuts a text into lines of equally many numbers, and what it makes of it.
+/// How well a delimiter cuts a text into lines of equally many numbers, and the result.
 fn tried(sample: &str, delimiter: u8) -> Option<(f64, Dialect)> {
     let records: Vec<Record> = records(sample, delimiter).collect();
     let of_numbers = || records.iter().filter(|record| record.has_numbers());

@@ -4,7 +4,7 @@ use jiff::Timestamp;
 use jiff::civil::{DateTime, Time};
 use jiff::tz::Offset;
 
-/// ns from some instant, the same for all times of a kind; None of what is no time.
+/// ns from some instant, the same for all times of a kind; None if the text is not a time.
 pub fn nanoseconds(cell: &str) -> Option<i128> {
     // Numbers are no times: 2026 and 20260101 are neither year nor day here.
     if !cell.contains(':') || !cell.starts_with(|first: char| first.is_ascii_digit()) {

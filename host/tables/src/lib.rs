@@ -3,12 +3,12 @@
 //! | module | holds |
 //! |---|---|
 //! | [`text`] | bytes as text: UTF-8 with or without a byte order mark, UTF-16; others are refused by their name |
-//! | [`table`] | rows and columns: delimiters, quotes, heads, units, lines before and behind the table |
+//! | [`table`] | rows and columns: delimiters, quotes, heads, units, lines before and after the table |
 //! | `number` | the decimal sign of a column, from all of its cells |
 //! | `instant` | times with a date |
 //!
-//! A table is read as it was written, or refused with its line, its column, its cell and what to do. What stays ambiguous is
-//! refused, too.
+//! A table is read as it was written, or refused with its line, its column, its cell and the remedy. An ambiguous
+//! table is refused, too.
 
 mod dialect;
 mod instant;
@@ -19,7 +19,7 @@ pub mod text;
 pub use number::Sign;
 pub use table::{Column, Table};
 
-/// Why a file is no text or no table: what, where, and what to do.
+/// Why a file is not a text or not a table: the problem, its place, and the remedy.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Problem(String);
 

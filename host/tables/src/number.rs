@@ -41,7 +41,7 @@ impl Sign {
     }
 }
 
-/// What a cell is.
+/// The form of a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shape {
     /// No number.
@@ -57,7 +57,7 @@ pub enum Shape {
 /// Spaces and marks between groups of digits that are no decimal sign anywhere.
 const GROUPING: [char; 6] = [' ', '\u{a0}', '\u{202f}', '\u{2009}', '\'', '\u{2019}'];
 
-/// What a cell is.
+/// The form of a cell.
 pub fn shape(cell: &str) -> Shape {
     match [Sign::Dot, Sign::Comma].map(|sign| parts(cell, sign).is_some()) {
         [false, false] => Shape::Text,
@@ -77,7 +77,7 @@ pub fn number(cell: &str, sign: Sign) -> Option<f64> {
     text.parse().ok().filter(|number: &f64| number.is_finite())
 }
 
-/// Minus, whole part, part behind the decimal sign, exponent.
+/// Minus, whole part, part after the decimal sign, exponent.
 fn parts(cell: &str, sign: Sign) -> Option<[&str; 4]> {
     let (minus, rest) = match cell.strip_prefix(['-', '\u{2212}']) {
         Some(rest) => ("-", rest),
@@ -114,7 +114,7 @@ fn is_grouped(whole: &str, sign: Sign) -> bool {
 /// A cell and its line.
 type Seen = Option<(usize, String)>;
 
-/// What the cells of a column tell of its decimal sign.
+/// The evidence of a column's cells on its decimal sign.
 #[derive(Clone, Debug, Default)]
 pub struct Evidence {
     /// A cell that can be read with the dot alone, and one with the comma alone.
@@ -181,7 +181,7 @@ impl Evidence {
         }
     }
 
-    /// What the file tells of a column whose cells read either way, with this sign in them.
+    /// The evidence of the file on a column whose cells read either way, with this sign in them.
     fn of_file(&self, all: &[Evidence], sign: Sign, delimiter: char) -> Option<Sign> {
         let shown = |wanted: Sign| all.iter().any(|one| one.shown() == Some(wanted));
         match (shown(Sign::Dot), shown(Sign::Comma)) {

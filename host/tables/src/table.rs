@@ -41,7 +41,7 @@ pub struct Table {
     delimiter: char,
     /// The line of each row.
     lines: Vec<usize>,
-    /// All cells, one behind the other, and where each ends.
+    /// All cells, one after the other, and where each ends.
     cells: String,
     ends: Vec<usize>,
     evidence: Vec<Evidence>,
@@ -52,7 +52,7 @@ impl Table {
     /// The table in the bytes of a file.
     ///
     /// # Errors
-    /// When there is none, with the line and what to do.
+    /// When there is none, with the line and the remedy.
     pub fn read(bytes: &[u8]) -> Result<Table, Problem> {
         reading::table(&crate::text::decoded(bytes)?)
     }
@@ -103,13 +103,13 @@ impl Table {
         self.head_line
     }
 
-    /// What the reader of the table has to know: a cut last line that was left out.
+    /// The remark for the reader of the table: a cut last line was left out.
     #[must_use]
     pub fn notes(&self) -> &[String] {
         &self.notes
     }
 
-    /// A cell; empty where there is none.
+    /// A cell; empty if there is none.
     #[must_use]
     pub fn cell(&self, row: usize, place: usize) -> &str {
         let k = row * self.columns + place;
@@ -180,7 +180,7 @@ impl Table {
         }
     }
 
-    /// The place of the first of these columns that there is, and what its unit is worth; None if there is none.
+    /// The place of the first of these columns that exists, and the value of its unit; None if there is none.
     ///
     /// # Errors
     /// When one of them is there twice, or more than one of them is.

@@ -38,7 +38,7 @@ fn question(answers: &Answers, key: &str) -> &'static str {
     answered.or(questions.last()).expect("no entry is empty")
 }
 
-/// What is wrong with a rig, said of the answer that decides it.
+/// The problem of a rig, reported at the answer that causes it.
 pub(super) fn refusal(answers: &Answers, problem: &Problem) -> Refusal {
     let question = question(answers, &problem.key);
     let answer = answers.text(question).map_or_else(|| "left out".to_owned(), |text| format!("\"{text}\""));

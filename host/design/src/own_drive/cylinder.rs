@@ -26,7 +26,7 @@ struct Tube {
 }
 
 impl Cylinder {
-    /// That of the answers.
+    /// The cylinder of the answers.
     pub fn of(answers: &Answers) -> Result<Cylinder, Refusal> {
         let part = part_of(answers, "cylinder", Family::Cylinder)?;
         let bore = dimension(answers, "bore", part.as_ref(), "bore", "m")?;
@@ -105,7 +105,7 @@ impl Cylinder {
 }
 
 impl Tube {
-    /// That of the answers; None where the valve sits on the cylinder.
+    /// The tube of the answers; None if the valve sits on the cylinder.
     fn of(answers: &Answers) -> Result<Option<Tube>, Refusal> {
         let part = part_of(answers, "tube", Family::Tube)?;
         let length = answers.number("tube-length")?.unwrap_or(0.0);
@@ -145,7 +145,7 @@ pub(crate) fn part_of(
     answers.text(question).map(|name| parts::find(family, name).map_err(refuse)).transpose()
 }
 
-/// A figure that must be known: the answer to a question, or that of a part.
+/// A required figure: the answer to a question, or a figure of a part.
 pub(crate) fn dimension(
     answers: &Answers,
     question: &'static str,

@@ -1,4 +1,4 @@
-//! What stands against the air of a cylinder, and whether the supply can hold it.
+//! The forces against the air of a cylinder, and whether the supply can hold them.
 //!
 //! ```text
 //! F = F_const - M g sin(incline)                       in the direction of extension
@@ -16,7 +16,7 @@ use crate::rig_file::Number;
 /// P_e, Pa.
 pub(super) const OUTSIDE: f64 = SURROUNDINGS.0;
 
-/// The part of what the supply can hold that is proposed instead of more.
+/// The part of the supply's capacity that is proposed if the forces exceed it.
 const PROPOSED: f64 = 0.7;
 
 /// The load with piston and rod, kg.
@@ -38,7 +38,7 @@ pub(super) fn standing_force(answers: &Answers, cylinder: &Cylinder) -> Result<f
     Ok(force - mass(answers, cylinder)?.value * uphill(answers)?)
 }
 
-/// What gravity takes from the acceleration of an extending load, m/s^2.
+/// The part of gravity in the acceleration of an extending load, m/s^2.
 fn uphill(answers: &Answers) -> Result<f64, Refusal> {
     Ok(GRAVITY * answers.number("incline")?.unwrap_or(0.0).to_radians().sin())
 }
@@ -51,7 +51,7 @@ pub(super) struct Balance {
 }
 
 impl Balance {
-    /// That of the answers.
+    /// The forces of the answers.
     pub fn of(answers: &Answers, cylinder: &Cylinder) -> Result<Balance, Refusal> {
         let areas @ [area_1, area_2] = cylinder.areas();
         Ok(Balance { areas, others: standing_force(answers, cylinder)? - OUTSIDE * (area_1 - area_2) })

@@ -1,4 +1,4 @@
-//! What moves, and what holds it back.
+//! The moving mass and the forces on it.
 
 use pneudrive_sim::keys;
 

@@ -15,9 +15,9 @@ use crate::rig_file::{Number, RigFile};
 
 /// Spool travel to either side, mm. No figure of the valve: the paths open in proportion, so only ratios to it count.
 const TRAVEL_MM: f64 = 1.0;
-/// The damping ratio of a spool with a position loop, and between what it lies.
+/// The damping ratio of a spool with a position loop, and its range.
 const DAMPING: (f64, [f64; 2]) = (0.7, [0.5, 1.0]);
-/// The class whose ranges stand in for what nobody has said of a valve.
+/// The class whose ranges stand in for missing figures of a valve.
 const CLASS: &str = "proportional-5-3-350";
 
 /// C of the answers, m^3/(s Pa).
@@ -30,7 +30,7 @@ pub(super) fn sonic_conductance(answers: &Answers) -> Result<f64, Refusal> {
     Ok(conductance(answers, named.as_ref(), &ratio)?.value)
 }
 
-/// The part of the command that moves nothing: the overlap, half of the hysteresis, and what opens against the leakage.
+/// The part of the command without motion: the overlap, half of the hysteresis, and the opening against the leakage.
 pub(super) fn dead_zone(answers: &Answers) -> Result<f64, Refusal> {
     let (named, class) = parts_of(answers)?;
     let part = named.as_ref().unwrap_or(&class);
@@ -41,7 +41,7 @@ pub(super) fn dead_zone(answers: &Answers) -> Result<f64, Refusal> {
     Ok(1e-2 * (overlap + hysteresis + leakage).max(0.0))
 }
 
-/// The valve that was named, and the class that stands in for what nobody has said.
+/// The named valve, and the class that stands in for its missing figures.
 fn parts_of(answers: &Answers) -> Result<(Option<Part>, Part), Refusal> {
     let class = find(Family::Valve, CLASS).map_err(|message| Refusal::new("valve", message))?;
     Ok((part_of(answers, "valve", Family::Valve)?, class))
@@ -68,7 +68,7 @@ pub(super) fn write(file: &mut RigFile, answers: &Answers) -> Result<(), Refusal
     spool(file, answers, part)
 }
 
-/// What has to be said of an answer that says too little: a flow without the pressures that it holds for.
+/// The remark on an answer that says too little: a flow without its pressures.
 pub(super) fn remark(answers: &Answers) -> Option<String> {
     let text = answers.text("flow")?;
     let stated = StatedFlow::read(text).ok()?;
@@ -196,7 +196,7 @@ fn widened(number: Number, part: f64) -> Number {
     number.within(Some([low * (1.0 - part), high * (1.0 + part)]))
 }
 
-/// How the lands open, and what passes when they are shut.
+/// How the lands open, and the leakage when they are shut.
 fn lands(file: &mut RigFile, answers: &Answers, part: &Part) -> Result<(), Refusal> {
     let scale = "a scale: the paths open in proportion, so only ratios to it count";
     file.number(&keys::valve::SPOOL_TRAVEL_MM, &Number::computed(TRAVEL_MM, scale));
@@ -238,7 +238,7 @@ fn spool(file: &mut RigFile, answers: &Answers, part: &Part) -> Result<(), Refus
     Ok(())
 }
 
-/// An answer, or what is usual: unknown within its range.
+/// An answer, or the usual value: unknown within its range.
 fn usual(
     answers: &Answers,
     question: &'static str,

@@ -12,7 +12,7 @@ use anyhow::{Error, Result, anyhow};
 
 use crate::instance::Instance;
 
-/// What became of a call: fmi3Status.
+/// The status of a call: fmi3Status.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(C)]
 pub enum Status {
@@ -22,7 +22,7 @@ pub enum Status {
     Error = 3,
 }
 
-/// An instance, as an importer has it: a number, not an address.
+/// The importer's handle of an instance: a number, not an address.
 pub type Handle = *mut c_void;
 
 /// The importer's own, which its log function gets back.
@@ -70,7 +70,7 @@ struct Held {
 static INSTANCES: Mutex<BTreeMap<usize, Arc<Held>>> = Mutex::new(BTreeMap::new());
 static NEXT: AtomicUsize = AtomicUsize::new(1);
 
-/// What a panic has left behind is whole: instances that were in one have failed.
+/// The data are whole after a panic: instances in which it happened have failed.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -79,7 +79,7 @@ fn find(handle: Handle) -> Option<Arc<Held>> {
     lock(&INSTANCES).get(&handle.addr()).cloned()
 }
 
-/// What went wrong in a panic.
+/// The message of a panic.
 fn in_panic(panic: &(dyn Any + Send)) -> Error {
     let text = panic.downcast_ref::<&str>().map(|text| (*text).to_owned());
     let text = text.or_else(|| panic.downcast_ref::<String>().cloned()).unwrap_or_default();
@@ -91,7 +91,7 @@ pub fn caught<T>(act: impl FnOnce() -> Result<T>) -> Result<T> {
     catch_unwind(AssertUnwindSafe(act)).unwrap_or_else(|panic| Err(in_panic(panic.as_ref())))
 }
 
-/// Takes an instance in, and tells its handle.
+/// Admits an instance, and returns its handle.
 pub fn add(instance: Instance, log: Log) -> Handle {
     let number = NEXT.fetch_add(1, Ordering::Relaxed);
     lock(&INSTANCES).insert(number, Arc::new(Held { instance: Mutex::new(instance), log }));

@@ -20,30 +20,30 @@ pub unsafe fn text<'a>(text: *const c_char) -> Result<&'a str> {
 /// An array of an importer; one of no entries may be null.
 ///
 /// # Safety
-/// It has so many entries, or is null.
+/// It has this many entries, or is null.
 pub unsafe fn array<'a, T>(entries: *const T, count: usize) -> Result<&'a [T]> {
     if count == 0 {
         return Ok(&[]);
     }
     check(entries, count)?;
-    // SAFETY: it is aligned and not null, and has so many entries as this function requires.
+    // SAFETY: it is aligned and not null, and has as many entries as this function requires.
     Ok(unsafe { slice::from_raw_parts(entries, count) })
 }
 
 /// The same to be written.
 ///
 /// # Safety
-/// It has so many entries that nobody else uses meanwhile, or is null.
+/// It has this many entries that nobody else uses meanwhile, or is null.
 pub unsafe fn array_mut<'a, T>(entries: *mut T, count: usize) -> Result<&'a mut [T]> {
     if count == 0 {
         return Ok(&mut []);
     }
     check(entries, count)?;
-    // SAFETY: it is aligned and not null, and has so many entries as this function requires.
+    // SAFETY: it is aligned and not null, and has as many entries as this function requires.
     Ok(unsafe { slice::from_raw_parts_mut(entries, count) })
 }
 
-/// What can be seen of an array without looking into it.
+/// The checks of an array without access to it.
 fn check<T>(entries: *const T, count: usize) -> Result<()> {
     if entries.is_null() {
         bail!("an array of {count} entries is null");

@@ -1,5 +1,5 @@
-//! What modelDescription.xml says there is not: other types, events, clocks, derivatives, other kinds of FMU, and states as
-//! bytes. Importers look for all functions of the standard, so these are there and refuse.
+//! The functions that modelDescription.xml rules out: other types, events, clocks, derivatives, other kinds of FMU,
+//! and states as bytes. Importers look for all functions of the standard, so these exist and refuse.
 
 use std::ffi::c_void;
 use std::ptr;

@@ -74,6 +74,6 @@ variables! {
     fmi3GetFloat64, fmi3SetFloat64: f64, Float64, Float(value), value, value;
     fmi3GetInt32, fmi3SetInt32: i32, Int32, Integer(value), i32::try_from(value)?, value.into();
     fmi3GetInt64, fmi3SetInt64: i64, Int64, Integer(value), value, value;
-    // A bool with another value than 0 and 1 is none, so what an importer writes is taken as a byte.
+    // A bool with another value than 0 and 1 is invalid, so the importer's value is taken as a byte.
     fmi3GetBoolean, fmi3SetBoolean: u8, Boolean, Switch(value), value.into(), value != 0;
 }

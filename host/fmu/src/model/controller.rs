@@ -1,4 +1,4 @@
-//! The controller, bit for bit that of the firmware: referenced, armed and running from sample 0 on, as in
+//! The controller, bit for bit the firmware's: referenced, armed and running from sample 0 on, as in
 //! `pneudrive simulate`.
 //!
 //! It runs the moves of the rig's test, or follows its input: a setpoint that differs from the one before is a step that
@@ -125,8 +125,8 @@ impl Controller {
         Ok(Controller { config, state, sequence, followed: None, run_test, command: Command::OFF })
     }
 
-    /// Takes a sample, and tells the command that is to be driven `controller.delay_s` later. Without moves of its own it
-    /// follows `setpoint`.
+    /// Takes a sample, and returns the command for `controller.delay_s` later. Without moves of its own it follows
+    /// `setpoint`.
     pub fn take(&mut self, taken: &Sample, setpoint: i32, stop: bool) -> Result<Command> {
         if !self.run_test {
             self.follow(setpoint)?;

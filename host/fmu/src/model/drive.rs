@@ -49,7 +49,7 @@ impl Drive {
     /// To the next sample.
     pub fn step(&mut self, inputs: &[Value]) -> Result<()> {
         let setpoint = match inputs.first() {
-            // What no count can be ends beyond every end position.
+            // A position that no count can have is beyond every end position.
             Some(Value::Float(metres)) => (metres / self.pulse).round() as i32,
             _ => integer(inputs, 0),
         };
@@ -57,7 +57,7 @@ impl Drive {
         self.plant.advance(command)
     }
 
-    /// Those of the plant, then those of the controller.
+    /// The outputs of the plant, then those of the controller.
     pub fn outputs(&mut self) -> Result<Vec<Value>> {
         let mut all = self.plant.outputs()?;
         all.extend(self.controller.outputs());

@@ -80,7 +80,7 @@ impl Plant {
         Ok(Plant { plant, period_us: rig.period_us().get().into(), k: 0, sample })
     }
 
-    /// What the sensors read at the present sample.
+    /// The readings of the sensors at the present sample.
     pub fn sample(&self) -> Sample {
         self.sample
     }

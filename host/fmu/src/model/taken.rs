@@ -1,4 +1,4 @@
-//! What a model takes from its inputs.
+//! The inputs of a model.
 
 use crate::signal::Value;
 

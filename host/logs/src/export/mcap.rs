@@ -60,7 +60,7 @@ fn message(values: impl Iterator<Item = f64>) -> Vec<u8> {
     bytes
 }
 
-/// What a message is, for programs that do not know it.
+/// The description of a message, for programs that do not know it.
 fn description<'a>(names: impl Iterator<Item = &'a str>) -> FileDescriptorSet {
     let field = |(number, name): (i32, &str)| FieldDescriptorProto {
         name: Some(name.to_owned()),

@@ -1,5 +1,5 @@
-//! Parquet: a column of doubles for the time and for each signal; null where a value is unknown. What is known of all
-//! samples stands in the file's key-value metadata.
+//! Parquet: a column of doubles for the time and for each signal; null if a value is unknown. Facts about all samples
+//! are in the file's key-value metadata.
 
 use std::sync::Arc;
 

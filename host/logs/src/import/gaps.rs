@@ -1,6 +1,6 @@
 //! Where a log has no samples.
 
-/// More than so many mean steps between two samples is a gap, where the map says nothing else.
+/// A distance of more mean steps between two samples is a gap, unless the map states another.
 const MEAN_STEPS: f64 = 3.0;
 
 /// A channel that holds its value is written when it changes, unless this part of its steps is even.

@@ -21,7 +21,7 @@ const COMMANDS: [f64; 2] = [-2048.0, 2048.0];
 /// The record of a log.
 ///
 /// # Errors
-/// When a value is outside what the rig's sensors or its valve can have.
+/// When a value is outside the range of the rig's sensors or its valve.
 pub fn of(log: &Log, rig: &Rig, table: &Table) -> Result<Imported> {
     let parameters = parameters(rig, table)?;
     let converters = Converters::of(rig, &parameters);
@@ -53,7 +53,7 @@ pub fn of(log: &Log, rig: &Rig, table: &Table) -> Result<Imported> {
         .filter(|&channel| table.channels[channel].is_none())
         .map(|channel| CHANNELS[channel].name)
         .collect();
-    // What the log has was measured, whatever the rig file says; what it does not have was not.
+    // The quantities of the log were measured, whatever the rig file says; the others were not.
     file.header.retain(|(key, _)| key != UNKNOWN);
     file.header.insert(1, (IMPORTED.to_owned(), sanitised(&log.name, SENTENCE)));
     if !unknown.is_empty() {
@@ -68,7 +68,7 @@ pub fn of(log: &Log, rig: &Rig, table: &Table) -> Result<Imported> {
     })
 }
 
-/// The rig's parameters at the log's period; without setpoints those of an open loop.
+/// The rig's parameters at the log's period; without setpoints in open loop.
 fn parameters(rig: &Rig, table: &Table) -> Result<Parameters> {
     let mut parameters = rig.parameters();
     let period_us: i32 =
@@ -177,7 +177,7 @@ impl Converters {
     /// The count of a position or setpoint, m.
     ///
     /// # Errors
-    /// When it is so far outside the stroke that no stop yields as much.
+    /// When it is further outside the stroke than any stop yields.
     fn count(&self, channel: usize, metres: f64, sample: i32) -> Result<i32> {
         let (mm, beyond) = (1e3 * metres, BEYOND * self.stroke);
         let count = if (-beyond..=self.stroke + beyond).contains(&mm) {
@@ -210,7 +210,7 @@ fn encoder_count(position: f64) -> Option<i32> {
     whole((position + LAST_DIGITS).floor())
 }
 
-/// The error as a controller records it: at the limits of its 16 bits it does not tell the setpoint.
+/// The error as a controller records it: at the limits of its 16 bits it does not show the setpoint.
 fn error(counts: i32) -> i16 {
     i16::try_from(counts).unwrap_or(if counts > 0 { i16::MAX } else { i16::MIN })
 }

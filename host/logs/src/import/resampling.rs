@@ -17,8 +17,8 @@ const SAME: f64 = 1e-6;
 /// The most samples of a record.
 const MAX: f64 = 10e6;
 
-/// The channels as they are, if they share an even clock and no other is asked for; else taken again every `asked_s`, or
-/// every `usual_s`.
+/// The channels as they are, if they share an even clock and no other is requested; else resampled every `asked_s`,
+/// or every `usual_s`.
 ///
 /// # Errors
 /// When they have no time in common.

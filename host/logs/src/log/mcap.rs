@@ -26,7 +26,7 @@ struct Topic {
     places: HashMap<String, usize>,
 }
 
-/// What a channel's messages are.
+/// The kind of a channel's messages.
 enum Encoding {
     Protobuf(Messages),
     Json,
@@ -34,7 +34,7 @@ enum Encoding {
     Other(String),
 }
 
-/// What was read so far.
+/// The data read so far.
 #[derive(Default)]
 struct Reading {
     schemas: HashMap<u16, (String, Vec<u8>)>,
@@ -140,7 +140,7 @@ impl Topic {
         self.fields.iter_mut().for_each(|(_, values)| values.resize(before + 1, f64::NAN));
     }
 
-    /// Puts the messages in the order of their times; those of one time stay in that of the file.
+    /// Puts the messages in the order of their times; those with the same time keep the order of the file.
     fn sort(&mut self) {
         let mut order: Vec<usize> = (0..self.times_ns.len()).collect();
         order.sort_by_key(|&place| self.times_ns[place]);

@@ -1,4 +1,4 @@
-//! What holds the load of a simulated run, by the values of its rig.
+//! The force that holds the load of a simulated run, by the values of its rig.
 
 use pneudrive_sim::component::actuator::Actuator;
 use pneudrive_sim::{Rig, keys};
@@ -13,7 +13,7 @@ pub struct Holding {
 }
 
 impl Holding {
-    /// That of a rig.
+    /// The force of a rig.
     #[must_use]
     pub fn of(rig: &Rig) -> Holding {
         let actuator = Actuator::of(rig);

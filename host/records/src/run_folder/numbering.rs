@@ -23,7 +23,7 @@ pub enum Existing {
     Overwrite,
 }
 
-/// What identifies a run in its folder.
+/// The identity of a run in its folder.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Numbered {
     /// Its number in its folder, from 1 on.

@@ -83,8 +83,8 @@ impl Drop for Replacement<'_> {
     }
 }
 
-/// Makes the files of a folder those of one run: places the committed set of a program that was killed, and removes sets
-/// that were not committed. Returns a note on what it did, if anything.
+/// Completes the replacement of a folder's files: places the committed set of a killed program, and removes sets that
+/// were not committed. Returns a note on that, if anything was done.
 ///
 /// # Errors
 /// When the folder needs to be written to and cannot be.
@@ -129,7 +129,7 @@ fn move_over(new: &Path, path: &Path) -> io::Result<()> {
         fs::set_permissions(new, there.permissions())?;
     }
     match fs::rename(new, &path) {
-        // Behind the link is another disk.
+        // The link leads to another disk.
         Err(error) if error.kind() == ErrorKind::CrossesDevices => {
             put(&path, &fs::read(new)?).map_err(io::Error::other)?;
             fs::remove_file(new)
@@ -138,7 +138,7 @@ fn move_over(new: &Path, path: &Path) -> io::Result<()> {
     }
 }
 
-/// Moves what is committed into the folder.
+/// Moves the committed files into the folder.
 fn place(folder: &Path) -> Result<()> {
     let next = folder.join(NEXT);
     if !next.exists() {

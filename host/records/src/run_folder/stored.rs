@@ -46,7 +46,7 @@ pub struct StoredRun {
     pub accuracy: Option<Accuracy>,
     /// Its optional columns.
     pub extras: Vec<&'static Extra>,
-    /// What holds its load; None if this program no longer accepts the values of its rig.
+    /// The force that holds its load; None if this program no longer accepts the values of its rig.
     pub holding: Option<Holding>,
     columns: Vec<Vec<f64>>,
 }
@@ -243,7 +243,7 @@ fn check_rows(folder: &Path, description: &serde_json::Value, rows: usize) -> Re
     Ok(())
 }
 
-/// mm per count: the key, but of a potentiometer, which has none, what was made of its range and converter.
+/// mm per count: the key or, for a potentiometer, which has none, the value from its range and converter.
 fn scale_of(json_path: &Path, description: &serde_json::Value) -> Result<f64> {
     let above_0 = |mm: f64| (mm > 0.0).then_some(mm);
     if description["keys"]["encoder.model"] != EncoderKind::Potentiometer.word() {

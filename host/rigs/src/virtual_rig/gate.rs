@@ -1,8 +1,8 @@
-//! Who is let in where a virtual rig listens: programs that know its token stay, and callers who have not shown it hold up nobody.
+//! Admission to a virtual rig: programs that know its token stay, and callers without it never crowd them out.
 //!
-//! | who | may stay | at most |
+//! | | caller | may stay | at most |
 //! |---|---|---|
-//! | a caller who has not shown the token | [`GATE_WAIT`], and the one who waits longest leaves for a new one after [`HURRY`] | [`MAX_AT_GATE`] |
+//! | a caller without the token | [`GATE_WAIT`]; the one that waits longest leaves for a new one after [`HURRY`] | [`MAX_AT_GATE`] |
 //! | a caller with a wrong token | unheard for [`PAUSE`](super::caller::PAUSE), then not at all | as those |
 //! | a program | as long as it likes; beyond the limit the one that was silent longest leaves for a new one, but not the one that commands the drive | [`MAX_PROGRAMS`] |
 
@@ -16,13 +16,13 @@ pub(super) const GATE_WAIT: Duration = Duration::from_secs(3);
 /// Time that a caller has to show the token while others wait for its place.
 pub(super) const HURRY: Duration = Duration::from_millis(100);
 
-/// Callers who have not shown the token.
+/// Callers without the token.
 pub(super) const MAX_AT_GATE: usize = 32;
 
 /// Programs that are let in.
 pub(super) const MAX_PROGRAMS: usize = 64;
 
-/// Sends away who has stayed at the gate for too long.
+/// Sends away callers that have been at the gate for too long.
 pub(super) fn send_away(callers: &mut Vec<Caller>, now: Instant) {
     callers.retain(|caller| caller.is_in() || now.duration_since(caller.came) < GATE_WAIT);
 }

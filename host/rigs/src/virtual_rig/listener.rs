@@ -18,7 +18,7 @@ pub struct Listener {
     listener: Option<TcpListener>,
     token: Option<Token>,
     pub(super) callers: Vec<Caller>,
-    /// Who has come and waits for a place at the gate.
+    /// Callers that wait for a place at the gate.
     newcomer: Option<TcpStream>,
     name: String,
     /// The far end of a pty, held open so that ours stays open without a client.

@@ -14,10 +14,10 @@ use super::{VirtualBoard, VirtualRig};
 use crate::persistent_flash::PersistentFlash;
 use crate::wiring::WiringFault;
 
-/// A watchdog that is not fed for so long resets the board: as on the Pico 2.
+/// A watchdog that is not fed for this long resets the board, as on the Pico 2.
 const TIMEOUT: Duration = Duration::from_millis(300);
 
-/// What a board keeps.
+/// The data that a board keeps.
 type Kept = FlashStore<PersistentFlash, Box<Memory>>;
 
 /// The watchdog, by the clock of the computer. A program that stalls stops it, too.
@@ -67,7 +67,8 @@ pub(super) fn booted(board: &mut VirtualBoard, fault: Option<Fault>) -> Result<B
 }
 
 impl VirtualBoard {
-    /// Begins anew, with what a reset leaves: its flash and the memory of its fault log. The plant stays where it is.
+    /// Begins again with the data that a reset leaves: the flash and the memory of the fault log. The plant stays
+    /// where it is.
     fn reset(&mut self) {
         let nothing = without_power(PersistentFlash::default());
         let (flash, memory) = std::mem::replace(&mut self.store, nothing).into_parts();

@@ -99,7 +99,7 @@ struct Reading {
     early: Option<Early>,
     /// Whether a line of heads stands above that row, or it is no name with its value.
     is_early_table: bool,
-    /// A line behind the numbers that is none of them.
+    /// A line after the numbers that is not one of them.
     behind: Option<usize>,
 }
 

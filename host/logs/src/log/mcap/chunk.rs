@@ -28,7 +28,7 @@ pub fn each_record(bytes: &[u8], take: &mut dyn FnMut(Record<'_>) -> Result<()>)
                     take(record.context("a chunk of it is damaged")?)?;
                 }
             }
-            // What follows are repetitions of schemas and channels.
+            // Only repetitions of schemas and channels follow.
             Record::DataEnd(_) => break,
             record => take(record)?,
         }

@@ -37,14 +37,14 @@ struct Field {
     is_implied: bool,
 }
 
-/// What a message carries of a field.
+/// The content of a field in a message.
 enum Found<'a> {
     Number(f64),
     Message(&'a [u8]),
 }
 
 impl Messages {
-    /// The messages of a description, of which a channel has those of this name.
+    /// The messages of a description; a channel has those of this name.
     ///
     /// # Errors
     /// When the description is damaged, or does not have them.
@@ -152,7 +152,7 @@ impl Field {
     }
 }
 
-/// What a message carries, by the numbers of its fields.
+/// The contents of a message, by the numbers of its fields.
 fn carried<'a>(fields: &[Field], mut bytes: &'a [u8]) -> Result<HashMap<u32, Vec<Found<'a>>>> {
     let mut found: HashMap<u32, Vec<Found<'a>>> = HashMap::new();
     while bytes.has_remaining() {
@@ -172,7 +172,7 @@ fn carried<'a>(fields: &[Field], mut bytes: &'a [u8]) -> Result<HashMap<u32, Vec
         match field.of {
             Type::Message => values.push(Found::Message(inner)),
             Type::String | Type::Bytes | Type::Group => {}
-            // Numbers of a repeated field, one behind the other.
+            // Numbers of a repeated field, one after the other.
             _ => {
                 while inner.has_remaining() {
                     values.push(Found::Number(field.number(raw(field.wire(), &mut inner)?)));
