@@ -3,7 +3,7 @@
 use crate::evaluation::Motion;
 use crate::transient::{COMMAND, ERROR, POSITION, PRESSURES, SPOOL, Transient};
 
-/// What is looked at by itself.
+/// The channels for a graph or spectrum of their own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Channel {
     /// The position.

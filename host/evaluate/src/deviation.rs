@@ -22,7 +22,7 @@ pub struct Deviation {
     pub largest: f64,
     /// Root of the mean square as a fraction of the reference's range; NaN for a constant channel.
     pub fraction_of_range: f64,
-    /// What of it the perturbed runs of a simulated run explain; None without them.
+    /// The part of it that the perturbed runs of a simulated run explain; None without them.
     pub within_band: Option<WithinBand>,
 }
 
@@ -65,7 +65,7 @@ fn deviation(reference: &Transient, other: &Transient, channel: usize) -> Option
         .iter()
         .zip(&reference.channels[channel])
         .filter_map(|(&time, &value)| Some((value, other.at(channel, time)?)))
-        // What one of them does not know is in neither.
+        // Samples that are unknown in one of them are left out.
         .filter(|(value, other)| value.is_finite() && other.is_finite())
         .collect();
     if pairs.is_empty() {
@@ -129,7 +129,7 @@ fn cells(deviation: &Deviation) -> Vec<String> {
     ]
 }
 
-/// A figure with four significant digits, and no more than four behind the point.
+/// A figure with four significant digits, and at most four decimals.
 fn number(value: f64) -> String {
     let whole_digits = value.abs().max(1.0).log10().floor() as usize + 1;
     let decimals = if value.abs() < 1.0 { 4 } else { 4_usize.saturating_sub(whole_digits) };

@@ -15,7 +15,7 @@
 //! | limit cycle | swing from peak to peak and frequency ([`LimitCycle`]) | says so itself |
 //! | tracking | largest size, and root of the mean square, of the setpoint less the position along a profile | of a step, and in open loop |
 //! | top speed | largest of the velocities, as the controller estimates them | |
-//! | air | what flows into the chambers (`evaluation/air.rs`) | without flows and cylinder |
+//! | air | the flow into the chambers (`evaluation/air.rs`) | without flows and cylinder |
 
 mod air;
 mod figures;
@@ -48,7 +48,7 @@ pub struct Tracking {
     pub rms_mm: f64,
 }
 
-/// A move and what was measured of it. What the transient does not show is None.
+/// A move and its measurements. A figure that the transient does not show is None.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Move {
     /// 1 for the first move of the test.
@@ -109,9 +109,9 @@ impl Move {
 /// The moves of a transient, in their order. Of a part of a longer transient, the move in whose midst it begins has
 /// only the figures of its end.
 ///
-/// `tolerance_mm` is the distance from the setpoint that counts as there; `motion` has the velocities at the
-/// transient's instants; `chambers` tell the air of a record, and of both whether the dither hides it. Without them the
-/// rows of a run are taken to follow its dither.
+/// `tolerance_mm` is the distance from the setpoint that counts as arrived. `motion` has the velocities at the
+/// transient's instants. `chambers` give the air of a record, and whether the dither hides the air of either. Without
+/// them the rows of a run are assumed to follow its dither.
 #[must_use]
 pub fn moves(
     transient: &Transient,

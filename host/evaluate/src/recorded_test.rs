@@ -1,4 +1,4 @@
-//! The test of a transient, to be simulated again (thesis 5.5.2): what a rig takes from it.
+//! The test of a transient for another simulation (thesis 5.5.2): the values that a rig takes from it.
 //!
 //! | of the rig | from a record | from a simulated run |
 //! |---|---|---|
@@ -33,12 +33,12 @@ use crate::transient::Transient;
 /// A drive counts as moving above this speed, m/s.
 const AT_REST_M_S: f64 = 1e-3;
 
-/// A rig with what it has taken from a transient, a sentence each.
+/// A rig, and the values that it has taken from a transient, a sentence each.
 #[derive(Clone, Debug)]
 pub struct Taken {
-    /// The rig, whose test is that of the transient.
+    /// The rig, with the test of the transient.
     pub rig: Rig,
-    /// What was taken, and what could not be.
+    /// The values that were taken, and those that could not be.
     pub notes: Vec<String>,
 }
 
@@ -115,8 +115,9 @@ fn start_of(file: &TargetFile, first: RecordedSample, rig: &Rig) -> Result<Start
     })
 }
 
-/// The moves of a record that begins with the sample `first`; one at the start of the test, too, where it does not begin
-/// with what is in force before any move: in closed loop the count of the first sample, in open loop null.
+/// The moves of a record that begins with the sample `first`. It has a move at the start of the test, too, if it does
+/// not begin with the setpoint in force before any move: in closed loop the count of the first sample, in open loop
+/// null.
 fn moves_of(config: &Config, recorded: &[RecordedSample], first: RecordedSample) -> Result<Vec<Move>> {
     let plan = moves::plans(config, recorded)?.into_iter().next().context("it has no moves")?;
     let of_record = plan.sequence.moves().iter().filter(|one| (one.at_sample as usize) < recorded.len());
@@ -189,14 +190,14 @@ const KEYS_OF_TEMPERATURES: [&str; 2] = ["test.temperature_1_k", "test.temperatu
 /// The state that a simulation begins with.
 struct Start {
     position_m: f64,
-    /// None: those of the rig.
+    /// None: the rig's.
     pressures_pa: Option<[f64; 2]>,
-    /// None: those of the rig.
+    /// None: the rig's.
     temperatures_k: Option<[f64; 2]>,
 }
 
 impl Start {
-    /// What of it is not that of the transient.
+    /// The values that differ from the transient's.
     fn remark(&self) -> Option<String> {
         let why = "its pressures were not measured: those at the start are the rig file's";
         self.pressures_pa.is_none().then(|| why.to_owned())

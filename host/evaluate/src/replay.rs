@@ -8,8 +8,8 @@
 //! - **Moves** ([`moves`]). The header has them with their profiles, and the controller makes the setpoints of them again.
 //!   A file may lack them. Closed loop: setpoint = position + error. Open loop: the
 //!   moves are the commands themselves, so such a record proves the limits and the stepper, not the law.
-//! - **Arrival.** A move begins at its recorded sample and, with `on_arrival`, also waits for the end of the
-//!   one before, as on the board. So arrival and learning are those of the board.
+//! - **Arrival.** A move begins at its recorded sample and, with `on_arrival`, also waits for the end of the one
+//!   before, as on the board. So arrival and learning are the same as on the board.
 //! - **The end of the run.** A trip of the controller is reproduced; the recorder stores no sample after it.
 //!   External causes (a stop, a late sample, a silent host) are in no sample: the record ends before them.
 //! - **Two things are tried both ways**: whether an open loop was referenced, and, where the null offset is
@@ -56,7 +56,7 @@ impl Output {
     }
 }
 
-/// What is compared.
+/// The compared quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum What {
     /// The sample itself: it was recorded after the run had ended on the PC.
@@ -70,7 +70,7 @@ pub enum What {
 }
 
 impl What {
-    /// What to read of a pair of numbers.
+    /// How to read a pair of numbers.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -87,7 +87,7 @@ impl What {
 pub struct Difference {
     /// k of the sample.
     pub index: i32,
-    /// What is different.
+    /// The quantity that differs.
     pub what: What,
     /// The record's side; for [`What::Sample`] 1.
     pub recorded: i16,
@@ -115,9 +115,9 @@ pub struct Replay {
     pub stepper: bool,
     /// Whether the moves are the commands.
     pub open_loop: bool,
-    /// Whether the pressures in the record are none, as the rig had no sensors.
+    /// Whether the record has no pressures, because the rig had no sensors.
     pub no_pressures: bool,
-    /// What is to be known of the file's header: parameters that only one side has.
+    /// Remarks on the file's header: parameters that only one side has.
     pub notes: Vec<String>,
 }
 
@@ -137,7 +137,7 @@ pub enum ReplayError {
     Header {
         /// The key.
         key: String,
-        /// What stands there.
+        /// The text there.
         found: String,
     },
     /// A value is outside the range of its parameter.
@@ -152,7 +152,7 @@ pub enum ReplayError {
         /// Largest allowed value.
         max: i32,
     },
-    /// The parameters are not those of any controller.
+    /// The parameters are not valid for any controller.
     #[error("the parameters in its header are inconsistent: {}", .0.advice())]
     Inconsistent(ConfigError),
     /// There is no sample of a run.
@@ -188,7 +188,7 @@ pub enum ReplayError {
         "the setpoint changes at sample {0} for the 65th time, but a test has at most 64 moves; repeated moves (test.repeat_every_s) are not marked in a file, so cut it to fewer"
     )]
     TooManyMoves(i32),
-    /// The lines of its moves are none.
+    /// The lines of its moves are invalid.
     #[error("{0}")]
     Test(String),
     /// The controller would not have run this.
@@ -199,7 +199,7 @@ pub enum ReplayError {
 /// Replays a file.
 ///
 /// # Errors
-/// When the file does not hold what a replay needs.
+/// When the file lacks data that a replay needs.
 pub fn replay(file: &TargetFile) -> Result<Replay, ReplayError> {
     if let Some(log) = file.get(IMPORTED) {
         return Err(ReplayError::Imported(log.to_owned()));
@@ -320,7 +320,7 @@ impl Replay {
     }
 }
 
-/// What is different about a sample, and both sides of it.
+/// The difference at a sample, and both sides of it.
 fn difference(recorded: &RecordedSample, replayed: &Output, stepper: bool) -> Option<(What, i16, i16)> {
     let compared = [
         (What::Sample, 1, i16::from(replayed.running)),

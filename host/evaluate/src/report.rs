@@ -90,7 +90,7 @@ fn extra_panels(transients: &[Transient]) -> impl Iterator<Item = Panel> {
     })
 }
 
-/// What a simulated run and its perturbed runs cover.
+/// The range of a simulated run and its perturbed runs.
 fn shade(transient: &Transient, number: usize, channel: usize) -> Option<Shade> {
     let band = transient.band.as_ref()?;
     (!band.low[channel].is_empty()).then(|| Shade {

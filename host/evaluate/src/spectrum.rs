@@ -13,7 +13,7 @@ use std::f64::consts::TAU;
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;
 
-/// What the samples are weighted by.
+/// The weights of the samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Window {
     /// `1/2 - 1/2 cos`: narrow peaks; between two frequencies an amplitude reads up to 1.4 dB low.
@@ -73,8 +73,8 @@ impl Spectrum {
         }
     }
 
-    /// The highest peaks, highest first. Each stands above both its neighbours and above a thousandth of the
-    /// highest; its place is that of the parabola through the logarithms of the three.
+    /// The highest peaks, highest first. Each exceeds both its neighbours and a thousandth of the highest one. Its
+    /// place is the top of the parabola through the logarithms of the three.
     #[must_use]
     pub fn peaks(&self, most: usize) -> Vec<Peak> {
         let highest = self.amplitude.iter().copied().fold(0.0, f64::max);
@@ -90,7 +90,7 @@ impl Spectrum {
     }
 
     fn peak(&self, m: usize) -> Peak {
-        // What lies a million times below a peak is rounding and says nothing of its place.
+        // Values a million times below a peak are rounding and do not show its place.
         let floor = self.amplitude[m] / 1e6;
         let [before, here, after] = [m - 1, m, m + 1].map(|m| self.amplitude[m].max(floor).ln());
         let curvature = before - 2.0 * here + after;

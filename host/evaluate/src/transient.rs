@@ -1,4 +1,4 @@
-//! A transient in engineering units, wherever it comes from.
+//! A transient in engineering units, whatever its source.
 
 mod grip;
 mod of_simulation;
@@ -14,7 +14,7 @@ use pneudrive_sim::trace::Extra;
 
 pub use grip::Grip;
 
-/// What is compared and drawn: name and unit of each channel.
+/// The channels that are compared and drawn: name and unit of each.
 pub const CHANNELS: [(&str, &str); 7] = [
     ("setpoint", "mm"),
     ("position", "mm"),
@@ -25,7 +25,7 @@ pub const CHANNELS: [(&str, &str); 7] = [
     ("error", "counts"),
 ];
 
-/// So many changes of the setpoint, none later than this after the one before, are a profile: s.
+/// This many changes of the setpoint, none later than this after the one before, are a profile: s.
 const PROFILE_CHANGES: usize = 5;
 const PROFILE_GAP_S: f64 = 0.05;
 
@@ -54,7 +54,7 @@ pub struct Transient {
     pub name: String,
     /// Number and date of a simulated run that has been written.
     pub numbered: Option<Numbered>,
-    /// What its test is called; the tests of built-in rigs have the names of their rigs.
+    /// The name of its test; the tests of built-in rigs have the names of their rigs.
     pub test: String,
     /// s, from the start of the test.
     pub time: Vec<f64>,
@@ -76,9 +76,9 @@ pub struct Transient {
     pub extras: Vec<(&'static Extra, Vec<f64>)>,
     /// Times before and after each place where samples are missing, s.
     pub gaps: Vec<[f64; 2]>,
-    /// What a simulated run and its perturbed runs cover, if it has some.
+    /// The range of a simulated run and its perturbed runs, if it has some.
     pub band: Option<ChannelBand>,
-    /// What a part of a longer transient has lost of its moves; nothing of a whole one.
+    /// The moves that a part of a longer transient has lost; nothing for a whole one.
     pub cut: Cut,
 }
 
@@ -87,9 +87,9 @@ pub struct Transient {
 pub struct Cut {
     /// Moves that begin before its first sample.
     pub moves_before: usize,
-    /// Whether the last of those still goes on at the first sample.
+    /// Whether the last of those continues at the first sample.
     pub at_start: bool,
-    /// Whether its last move goes on behind the last sample.
+    /// Whether its last move continues after the last sample.
     pub at_end: bool,
 }
 
@@ -114,7 +114,7 @@ impl ChannelBand {
         ChannelBand { low, high }
     }
 
-    /// What lies between two places.
+    /// Linear interpolation between two places.
     fn between(&self, first: usize, end: usize) -> ChannelBand {
         let part = |channels: &[Vec<f64>; CHANNELS.len()]| {
             channels.each_ref().map(|values| values.get(first..end).unwrap_or_default().to_vec())
@@ -123,7 +123,7 @@ impl ChannelBand {
     }
 }
 
-/// Channels that have a band, with their columns in band.csv and what turns these into the channel's unit.
+/// Channels with a band, with their columns in band.csv and the factor to the channel's unit.
 const BANDS: [(usize, &str, f64); 6] = [
     (POSITION, "position_m", 1e3),
     (PRESSURES[0], "pressure_1_pa", 1e-3),
@@ -134,7 +134,7 @@ const BANDS: [(usize, &str, f64); 6] = [
 ];
 
 impl Transient {
-    /// A TARGET file, a streamed run or a run folder, by what it is.
+    /// The transient of a TARGET file, a streamed run or a run folder, by its contents.
     ///
     /// # Errors
     /// When it is none of them, or damaged.
@@ -209,7 +209,7 @@ impl Transient {
         }
     }
 
-    /// What lies between two times, s, both included.
+    /// The part between two times, s, both included.
     #[must_use]
     pub fn between(&self, from: f64, to: f64) -> Transient {
         let first = self.time.partition_point(|&time| time < from);
@@ -286,7 +286,7 @@ impl Transient {
         samples.filter(|&k| (asked[k] - asked[k - 1]).abs() > SAME).collect()
     }
 
-    /// What the samples from `first` until before `end` lose of the moves of this transient.
+    /// The moves of this transient that the samples from `first` until before `end` lose.
     fn cut_between(&self, first: usize, end: usize) -> Cut {
         let begins: Vec<usize> = self.beginnings().into_iter().skip(usize::from(self.cut.at_start)).collect();
         let before =

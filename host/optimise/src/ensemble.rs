@@ -31,30 +31,30 @@ use crate::runners::Runners;
 use pneudrive_evaluate::parallel;
 use pneudrive_evaluate::wanted::{CalledOff, Wanted};
 
-/// A run and what was measured of it and of its perturbed runs.
+/// A run, and the measurements of it and of its perturbed runs.
 #[derive(Clone, Debug)]
 pub struct Ensemble<T> {
     /// The nominal run.
     pub nominal: Judged,
-    /// What was measured of each run, the nominal one first; nothing of a perturbed run that has no run.
+    /// The measurements of each run, the nominal one first; empty for a perturbed run that failed.
     pub measured: Vec<T>,
 }
 
-/// What one thread does.
+/// The work of one thread.
 enum Job {
     Nominal,
     Convergence,
     Member(Rig),
 }
 
-/// What came of it.
+/// The result of a job.
 enum Done<T> {
     Measured(T, Option<Fault>),
     Converged(Convergence),
     Failed(String),
 }
 
-/// The rigs around a rig; in the place of one that is not valid, as a value lies at a limit of its key, what is wrong.
+/// The rigs around a rig. If one is not valid, because a value is at a limit of its key, the problem takes its place.
 #[must_use]
 pub fn members(rig: &Rig, spacing: Spacing) -> Vec<Result<Rig, Problems>> {
     let (mass, position) = (rig.get(&keys::load::MASS_KG), rig.get(&keys::test::POSITION_M));
@@ -83,8 +83,8 @@ pub fn reversed(mut number: usize, base: usize) -> f64 {
     value
 }
 
-/// Runs a rig and its perturbed runs on all threads of the pool, and measures each. `progress` is given what is done and
-/// what is to do, in samples of one run.
+/// Runs a rig and its perturbed runs on all threads of the pool, and measures each. `progress` receives the work done
+/// and the whole work, in samples of one run.
 ///
 /// # Errors
 /// When the rig itself cannot be simulated, or nobody waits for it any more ([`CalledOff`]); a run that has begun comes to
@@ -140,7 +140,7 @@ fn jobs(rig: &Rig, spacing: Spacing) -> (Vec<Job>, Vec<String>) {
     (jobs, failed)
 }
 
-/// What came of all jobs.
+/// The results of all jobs.
 struct Gathered<T> {
     measured: Vec<T>,
     convergence: Convergence,
@@ -260,7 +260,7 @@ mod tests {
         assert!(found.nominal.convergence.closest_edge.is_some());
     }
 
-    /// At the largest mass that the key takes, heavier perturbed runs are none.
+    /// At the largest mass that the key takes, there are no heavier perturbed runs.
     #[test]
     fn perturbed_runs_beyond_the_limits_are_told_and_the_run_is_there() {
         let rig = rig().with_numbers(&[("load.mass_kg", 1e5)]).expect("valid");

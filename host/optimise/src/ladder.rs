@@ -1,4 +1,4 @@
-//! The ladder of fidelity: what each model of a component costs, and what it changes (thesis 8.3).
+//! The ladder of fidelity: the cost and the effect of each model of a component (thesis 8.3).
 //!
 //! The reference is the rig with all that its file leaves out or simplifies switched on, as far as no figure is
 //! needed that the file lacks. On each rung one component has another model. Costs are counted: evaluations of
@@ -86,11 +86,11 @@ pub struct Rung {
     pub evaluations: f64,
     /// Iterations over the flows a sample.
     pub flow_iterations: f64,
-    /// Time of a run over that of the reference, which was run before it each time: of the shortest runs of both, then
-    /// the least and the most of a pair.
+    /// Time of a run over that of the reference, which ran before it each time: for the shortest runs of both, then
+    /// the least and the greatest ratio of a pair.
     pub time_over_reference: [f64; 3],
-    /// What it differs by from the reference: the nominal run first, then each perturbed run from the same perturbed run of the
-    /// reference.
+    /// Its deviation from the reference: the nominal run first, then each perturbed run from the same perturbed run
+    /// of the reference.
     pub deviations: Vec<Vec<Deviation>>,
     /// The transient.
     pub transient: Transient,
@@ -98,7 +98,7 @@ pub struct Rung {
     pub convergence: Convergence,
 }
 
-/// What is run on a rung.
+/// The runs of a rung.
 #[derive(Clone, Debug)]
 struct Plan {
     component: &'static str,
@@ -107,7 +107,8 @@ struct Plan {
 }
 
 /// The rungs of a rig: the reference first, then the file's own models, then each other model of each component, each
-/// with its perturbed runs. `clock` tells the time since some instant, and `progress` is given the rungs done and all rungs.
+/// with its perturbed runs. `clock` gives the time since some instant; `progress` receives the rungs done and all
+/// rungs.
 ///
 /// # Errors
 /// When a rung cannot be simulated, or `progress` wants no more.
@@ -127,7 +128,7 @@ pub fn climb(
     let references = runs[0].transients.clone();
     let mut rungs: Vec<Rung> =
         plans.iter().zip(runs).map(|(plan, climbed)| climbed.rung(plan, &references)).collect();
-    // What the perturbed runs alone make of a transient: a difference of a model that is no larger says nothing.
+    // The effect of the perturbed runs alone: a difference of a model that is no larger says nothing.
     rungs[0].deviations = references.iter().map(|other| deviations(&references[0], other)).collect();
     Ok(rungs)
 }
@@ -147,7 +148,7 @@ impl Climbed {
         } else {
             format!("{}: {}", plan.component, plan.model)
         };
-        // Alone, as what else runs would be in its time.
+        // Alone, because other work would be in its time.
         let time_over_reference = timed(plan, reference, clock)?;
         let transient = |rig: &Rig, run: &_| Transient::of_simulation(&name, rig, run);
         let ensemble =
@@ -182,7 +183,7 @@ fn plans(source: &(String, String), settings: &[String]) -> Result<Vec<Plan>> {
         Rig::read_with(&source.0, &source.1, &all)
     };
     let file = read(&[])?;
-    // As far as the rig can have it.
+    // As far as the rig allows it.
     let mut complete: Vec<&str> = Vec::new();
     for (_, models) in COMPONENTS {
         let with: Vec<&str> = complete.iter().chain(models[0].1).copied().collect();

@@ -1,8 +1,8 @@
 //! Whether the test of a rig can be simulated, and which values keep it from that.
 //!
-//! No check of the values by themselves tells whether a piston that arrives at its speed runs through its end cover, or how
-//! stiff the whole is. The test is therefore run. If it fails, and the error names no value, one physical value after the
-//! other is set to a tenth and to ten times of itself, until the test runs with one: that is named.
+//! The values alone do not show whether a piston that arrives at its speed runs through its end cover, or how stiff
+//! the whole is. So the test is run. If it fails, and the error names no value, one physical value after the other is
+//! set to a tenth and to ten times its size. The first value with which the test runs is named.
 
 use pneudrive_sim::rig::{Key, Kind};
 use pneudrive_sim::{Accuracy, IntegrationError, Rig, run};
@@ -10,7 +10,7 @@ use pneudrive_sim::{Accuracy, IntegrationError, Rig, run};
 use crate::sensitivity::PHYSICAL;
 use pneudrive_evaluate::parallel;
 
-/// So many values are tried before it is asked whether one of them was enough: the same ones on any number of threads.
+/// This many values are tried before the check whether one of them sufficed: the same ones on any number of threads.
 const AT_ONCE: usize = 8;
 
 /// By how much a value is changed.
@@ -19,7 +19,7 @@ const FACTORS: [f64; 2] = [0.1, 10.0];
 /// Why a test cannot be simulated.
 #[derive(Clone, Debug)]
 pub struct Obstacle {
-    /// What ended the run.
+    /// The reason why the run ended.
     pub cause: IntegrationError,
     /// Some values with which it runs; none where the cause names values itself, or no value alone is enough.
     pub remedies: Vec<Remedy>,
@@ -32,7 +32,7 @@ pub struct Remedy {
     pub key: &'static Key,
     /// The value of the rig, in the unit of the key.
     pub value: f64,
-    /// What lets it run.
+    /// The change with which it runs.
     pub instead: f64,
 }
 

@@ -1,7 +1,7 @@
 //! Runs of one rig after another in the same memory.
 //!
-//! A run of a few seconds fills a megabyte. Memory that goes back to the system between two runs is mapped and cleared
-//! anew, which takes a tenth of a short run.
+//! A run of a few seconds fills a megabyte. If this memory goes back to the system between two runs, it is mapped and
+//! cleared again, which takes a tenth of a short run.
 
 use std::sync::{Mutex, PoisonError};
 

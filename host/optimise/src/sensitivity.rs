@@ -19,7 +19,7 @@ const CHANGE: f64 = 0.1;
 pub(crate) const PHYSICAL: [&str; 7] =
     ["supply", "exhaust", "operator", "valve", "tubing", "actuator", "load"];
 
-/// What a value does to the transient of the test.
+/// The effect of a value on the transient of the test.
 #[derive(Clone, Debug)]
 pub struct Effect {
     /// Whose value it is.
@@ -41,7 +41,7 @@ pub struct Sensitivity {
     pub floor_m: f64,
 }
 
-/// What is run.
+/// The runs.
 struct Trial {
     rig: Result<Rig, Problems>,
     /// Of which effect; None for a perturbed run.
@@ -141,7 +141,7 @@ mod tests {
         assert!(found.effects.iter().any(|effect| effect.key.path == "load.viscous_n_s_per_m"));
     }
 
-    /// A cylinder that fills against no friction: the distance is that of two runs, sample by sample.
+    /// A cylinder that fills without friction: the distance between two runs, sample by sample.
     #[test]
     fn an_effect_is_the_largest_distance_of_either_end() {
         let rig = rig(&format!("{OPEN}[load]\nmass_kg = {{ unknown = 5.0, low = 4.0, high = 5.0 }}\n"));

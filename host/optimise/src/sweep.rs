@@ -7,10 +7,10 @@
 //! | module | holds |
 //! |---|---|
 //! | [`mod@file`] | the TOML file: its keys, and everything wrong with it by line and key |
-//! | [`axis`] | what varies: values, ranges, distributions, Latin hypercubes |
+//! | [`axis`] | the varied quantities: values, ranges, distributions, Latin hypercubes |
 //! | [`metric`] | which figure of which move |
 //! | [`point`] | one point run, and its row in the result |
-//! | [`journal`] | what has been run, safe from kills |
+//! | [`journal`] | the runs done so far, safe from kills |
 //! | [`execution`] | the points on all cores |
 //! | [`choice`] | which points are allowed and which is best |
 //! | `parquet` | the result with types, if it was built with that |
@@ -53,25 +53,25 @@ pub struct Sweep {
     pub source: Source,
     /// The rig that is varied.
     pub rig_source: Source,
-    /// What all points have in common, as `key=value`.
+    /// The common settings of all points, as `key=value`.
     pub settings: Vec<String>,
     /// That rig with these settings.
     pub rig: Rig,
-    /// Allowed error of a step; None for what each drive needs.
+    /// Allowed error of a step; None: as each drive needs it.
     pub tolerance: Option<f64>,
     /// A move has settled within this distance of its setpoint, mm.
     pub settled_mm: f64,
-    /// What varies, in the order of the file.
+    /// The varied quantities, in the order of the file.
     pub axes: Vec<Axis>,
     /// Number of runs of a point: the rig itself, and perturbed runs that differ very slightly.
     pub ensemble: usize,
     /// How many draws of the distributions each combination is run with; 1 without distributions.
     pub draws: usize,
-    /// What is collected.
+    /// The collected figures.
     pub metrics: Vec<Metric>,
-    /// What makes a point better than another.
+    /// The criterion by which a point is better than another.
     pub objective: Option<Objective>,
-    /// What a point must keep to be allowed.
+    /// The condition for a point to be allowed.
     pub constraints: Vec<Bound>,
 }
 
@@ -98,7 +98,7 @@ impl Sweep {
         levels
     }
 
-    /// What makes the rig of a point, as `key=value`.
+    /// The settings of a point's rig, as `key=value`.
     #[must_use]
     pub fn settings_of(&self, point: usize) -> Vec<String> {
         let levels = self.levels(point);
@@ -131,7 +131,7 @@ impl Sweep {
         names.fold(String::from("point"), |line, name| line + "," + &name) + HEADER_END
     }
 
-    /// How exactly a rig is simulated: until it has converged, but for draws, which need not be.
+    /// The accuracy of a simulation: until it has converged, except for draws, which need not.
     fn accuracy_for(&self, rig: &Rig) -> Accuracy {
         let usual = if self.is_drawn() { Accuracy::of_draw(rig) } else { Accuracy::of(rig) };
         Accuracy { tolerance: self.tolerance.unwrap_or(usual.tolerance), ..usual }
@@ -142,8 +142,8 @@ impl Sweep {
         all_keys().filter_map(|key| Some(format!("{}={}", key.path, self.rig.value(key.path)?))).collect()
     }
 
-    /// A number that is another one if any row of the result may be: it tells the results of one sweep from
-    /// those of another. Objective and constraints do not count, nor do comments and line breaks.
+    /// A number that changes if any row of the result may change. It distinguishes the results of different sweeps.
+    /// Objective and constraints do not count, nor do comments and line breaks.
     #[must_use]
     pub fn identity(&self) -> u64 {
         const CRC: Crc<u64> = Crc::<u64>::new(&CRC_64_XZ);
@@ -163,7 +163,7 @@ impl Sweep {
 /// The column that says whether a point has converged.
 const CONVERGED: &str = "converged";
 
-/// What the columns of the ends of a metric's range have behind its name.
+/// The endings of the columns for a metric's range.
 const ENDS: [&str; 2] = ["_least", "_most"];
 
 /// Ends the first line of every result, so that a result is known as one.

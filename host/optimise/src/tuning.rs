@@ -8,13 +8,13 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | [`behaviour`] | what the gains do beside the goal: the step along the stroke, sines |
+//! | [`behaviour`] | the drive with its gains beside the goal: the step along the stroke, sines |
 //! | [`gains`] | the design variables, in units that suit every rig, and the keys that they set |
 //! | [`fixed`] | which keys a user may fix |
 //! | [`goal`] | the goal of a step, and the cost of a run |
 //! | [`spread`] | the rigs that the drive may turn out to be, and the positions and directions of its steps |
 //! | [`stroke`] | the step at five positions of the stroke |
-//! | [`tracking`] | sines with the gains that were found, and what limits how they are followed |
+//! | [`tracking`] | sines with the gains found, and the limits on following them |
 //! | [`trial`] | the step on a rig |
 //! | [`mod@search`] | differential evolution |
 //! | [`drive`] | candidates on many rigs, and how far that is |
@@ -53,7 +53,7 @@ use drive::{Drive, Meter};
 use pneudrive_evaluate::wanted::Wanted;
 use search::Budget;
 
-/// What is to be done.
+/// The task.
 #[derive(Clone, Debug)]
 pub struct Task {
     /// The rig file, for messages, and its text.
@@ -62,7 +62,7 @@ pub struct Task {
     pub settings: Vec<String>,
     /// Keys that no search changes, as `key=value`.
     pub fixed: Vec<String>,
-    /// What is asked of a step.
+    /// The requirements on a step.
     pub goal: Goal,
     /// By how much the rig may be another one.
     pub spread: Relative,
@@ -75,7 +75,7 @@ pub struct Task {
 }
 
 impl Task {
-    /// The same without a search, judged on one draw: how long its runs take tells how long those of all take at most.
+    /// The same without a search, judged on one draw: the time of its runs gives the longest time of all.
     #[must_use]
     pub fn taste(&self) -> Task {
         Task { draws: 1, budget: Budget { generations: 0, ..self.budget }, ..self.clone() }
@@ -98,14 +98,14 @@ impl Task {
     }
 }
 
-/// Gains and what they do.
+/// Gains and their results.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Found {
-    /// As `key=value`; none: those of the file.
+    /// As `key=value`; none: the file's.
     pub settings: Vec<String>,
-    /// Where they lie in the ranges that were searched; none: those of the file.
+    /// Their place in the searched ranges; none: the file's.
     pub places: Vec<Optimum>,
-    /// On what they were tuned on.
+    /// On the draws of the search.
     pub tuned_on: Vec<Performance>,
     /// On the rig of the file and its perturbed runs; none where that was not looked at.
     pub members: Vec<Performance>,
@@ -114,7 +114,7 @@ pub struct Found {
 }
 
 impl Found {
-    /// Mean cost of what they were tuned on, and of the worst of the perturbed runs of the file's rig.
+    /// Mean cost on the draws of the search, and on the worst of the perturbed runs of the file's rig.
     #[must_use]
     pub fn cost(&self, goal: &Goal) -> f64 {
         let worst = self.members.iter().map(|one| one.cost(goal)).reduce(f64::max);
@@ -129,37 +129,37 @@ impl Found {
     }
 }
 
-/// What came out.
+/// The result.
 #[derive(Clone, Debug)]
 pub struct Tuned {
-    /// What gains were tuned on; the first one is the rig of the file.
+    /// The rigs for the search; the first one is the rig of the file.
     pub tuned_on: Vec<Variant>,
-    /// What gains are judged on.
+    /// The rigs for the judgement.
     pub fresh: Vec<Variant>,
     /// The gains of the file.
     pub before: Found,
-    /// The gains that were found; those of the file, if no better ones were.
+    /// The gains found; the file's, if no better ones were found.
     pub after: Found,
     /// The best cost of each generation.
     pub progress: Vec<f64>,
-    /// What is in the way, if the goal is not met.
+    /// The causes, if the goal is not met.
     pub obstacles: Vec<LimitingImperfection>,
     /// Runs in all.
     pub runs: usize,
 }
 
 impl Tuned {
-    /// Whether other gains than those of the file were found.
+    /// Whether other gains than the file's were found.
     #[must_use]
     pub fn is_changed(&self) -> bool {
         !self.after.settings.is_empty()
     }
 }
 
-/// So many of the last generation are checked with the perturbed runs of the file's rig.
+/// This many of the last generation are checked with the perturbed runs of the file's rig.
 const FINALISTS: usize = 3;
 
-/// Looks for gains, and tells `progress` how far it is.
+/// Searches for gains, and reports the progress to `progress`.
 ///
 /// # Errors
 /// When the rig has no gains to look for, a key cannot be held, the step does not fit into its stroke, or nobody waits

@@ -34,9 +34,9 @@ pub struct Panel {
     pub title: String,
     /// Whether it is logarithmic.
     pub logarithmic: bool,
-    /// What is drawn.
+    /// The curves.
     pub curves: Vec<Curve>,
-    /// What is shaded behind the curves.
+    /// The shaded areas behind the curves.
     pub bands: Vec<Shade>,
 }
 

@@ -24,7 +24,7 @@ use library::packed;
 pub struct Page {
     /// Its heading.
     pub title: String,
-    /// What the reader should know first; plain text, a paragraph each.
+    /// The most important remarks for the reader; plain text, a paragraph each.
     pub notes: Vec<String>,
     /// Figures in numbers, before the graphs.
     pub tables: Vec<Table>,
@@ -38,7 +38,7 @@ pub struct Page {
 /// `impulse.html`, leads there.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Table {
-    /// What it is about.
+    /// Its topic.
     pub heading: String,
     /// Heads of the columns.
     pub columns: Vec<String>,
@@ -61,8 +61,8 @@ impl Page {
         self.write_with(path, None, library)
     }
 
-    /// Writes the page with a figure behind its first note, before everything else: the one that answers what the
-    /// page is asked.
+    /// Writes the page with one figure after its first note, before everything else: the figure that answers the
+    /// page's question.
     ///
     /// # Errors
     /// As [`Page::write`].
@@ -108,7 +108,8 @@ impl Page {
         ))
     }
 
-    /// The library, the data of the graphs, and what draws them; and what stands in place of graphs without a library.
+    /// The library, the data of the graphs, and the script that draws them; or the substitute for graphs without a
+    /// library.
     fn scripts(&self, lead: Option<&Figure>, library: Library) -> Result<(String, String)> {
         let (element, without) = library.element()?;
         let graphs =
@@ -187,7 +188,7 @@ impl Table {
     }
 }
 
-/// The place of a figure, with its heading and what saves it; `without` is what it says if there is no library.
+/// The place of a figure, with its heading and its save button; `without` is the text without a library.
 fn section(figure: &Figure, without: &str) -> String {
     let heading = match figure.heading.as_str() {
         "" => String::new(),

@@ -21,7 +21,7 @@ pub enum Library {
     Within,
 }
 
-/// What every version of the library says of itself.
+/// The library's own statement in every version.
 const MARK: &str = "plotly.js v";
 
 impl Library {
@@ -43,7 +43,7 @@ impl Library {
         put(&path, script)
     }
 
-    /// What brings the library into a page, and what a page without it says.
+    /// How the library comes into a page, and the text of a page without it.
     pub(super) fn element(self) -> Result<(String, String)> {
         let script = script()?;
         let name = name(script);

@@ -107,7 +107,8 @@ fn shape(steps: bool) -> &'static str {
     if steps { "hv" } else { "linear" }
 }
 
-/// Values to so many significant digits, six being more than any screen has; what is no number leaves a gap.
+/// Values with this many significant digits, six being more than any screen shows; values that are not numbers leave
+/// a gap.
 fn numbers(values: &[f64], digits: usize) -> Value {
     let rounded = |value: &f64| format!("{value:.*e}", digits - 1).parse::<f64>().ok();
     values.iter().map(|value| json!(rounded(value).filter(|value| value.is_finite()))).collect()

@@ -11,7 +11,7 @@ const SPREAD: &str = "spread";
 pub struct Points {
     /// Along the axis of the curve.
     pub x: Vec<f64>,
-    /// What was measured there.
+    /// The measured values.
     pub y: Vec<f64>,
     /// Standard deviation of each, where the measurement has one.
     pub spread: Option<Vec<f64>>,

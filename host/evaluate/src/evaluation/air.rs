@@ -59,7 +59,7 @@ impl Course {
         Course { beyond: vec![false; time.len()], least: coarse, best, most }
     }
 
-    /// What comes in from sample `begin` to sample `end`, or to the last one; None where a pressure is not known.
+    /// The inflow from sample `begin` to sample `end`, or to the last one; None if a pressure is not known.
     pub fn between(&self, begin: usize, end: usize) -> Option<Air> {
         let end = end.min(self.best.len() - 1);
         let litres = |mass: &[f64]| (mass[end] - mass[begin]) / KG_PER_LITRE;

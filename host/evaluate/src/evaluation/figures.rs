@@ -13,7 +13,7 @@ pub(super) struct Figure {
     pub name: &'static str,
     /// The digits that are shown.
     pub decimals: usize,
-    /// What it is of a move; None where the move does not show it.
+    /// Its value for a move; None if the move does not show it.
     pub of: fn(&Move) -> Option<f64>,
 }
 
@@ -34,7 +34,7 @@ pub(super) const FIGURES: [Figure; 8] = [
     },
 ];
 
-/// Behind the limit cycle.
+/// After the limit cycle.
 pub(super) const TOP_SPEED: Figure = Figure {
     heading: "top speed, mm/s",
     name: "top_speed_mm_s",
@@ -45,7 +45,7 @@ pub(super) const TOP_SPEED: Figure = Figure {
 /// A move in each of several runs, the run's own first; None where a run broke off before it.
 pub(super) type InRuns<'a> = Vec<Option<&'a Move>>;
 
-/// Each move of a run with what its perturbed runs make of it; `runs` has the moves of each, the run's own first.
+/// Each move of a run with the figures of its perturbed runs. `runs` has the moves of each, the run's own first.
 pub(super) fn in_runs(runs: &[Vec<Move>]) -> impl Iterator<Item = InRuns<'_>> {
     let own = runs.first().map_or(0, Vec::len);
     (0..own).map(|number| runs.iter().map(|moves| moves.get(number)).collect())

@@ -1,4 +1,4 @@
-//! The samples of a move, and its step as they show it. What they do not show is None.
+//! The samples of a move, and its step in them. Quantities that they do not show are None.
 
 use std::ops::RangeInclusive;
 
@@ -20,7 +20,7 @@ pub(super) struct Interval<'a> {
     pub transient: &'a Transient,
     pub begin: usize,
     pub end: usize,
-    /// What the drive moves by at most while it rests, mm.
+    /// Largest motion of the drive while it rests, mm.
     still_mm: f64,
 }
 
@@ -48,8 +48,8 @@ impl<'a> Interval<'a> {
         self.transient.profile(self.begin, self.end)
     }
 
-    /// Where the move leads, mm, if its setpoint never leaves the way there: a sine and a random sequence do, and what they
-    /// would have as rise or overshoot says nothing of the drive.
+    /// The target of the move, mm, if its setpoint never leaves the way there. A sine and a random sequence leave it,
+    /// and their rise or overshoot would say nothing about the drive.
     pub fn straight_to(&self) -> Option<f64> {
         let to = self.setpoint()?;
         let Some(samples) = self.profile() else { return Some(to) };

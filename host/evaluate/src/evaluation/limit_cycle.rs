@@ -30,7 +30,7 @@ use crate::transient::Grip;
 use standstill::Standstill;
 use trend::Trend;
 
-/// What a move shows of a limit cycle.
+/// A move's evidence of a limit cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LimitCycle {
     /// The drive comes to rest.
@@ -157,8 +157,9 @@ const MAX_TREND: f64 = 1.0 / 3.0;
 const ROUNDING_COUNTS: f64 = 0.3;
 
 impl LimitCycle {
-    /// What the positions of a move (mm) over time (s) show, and the pressures of its chambers (kPa). The drive moves by
-    /// `still_mm` at most while it rests ([`still_band`]). `grip` is known of simulated runs, at the same instants.
+    /// The verdict on the positions of a move (mm) over time (s), and the pressures of its chambers (kPa). The drive
+    /// moves by `still_mm` at most while it rests ([`still_band`]). `grip` is known for simulated runs, at the same
+    /// instants.
     pub(super) fn of(
         time: &[f64],
         position: &[f64],
@@ -196,7 +197,7 @@ impl LimitCycle {
         }
     }
 
-    /// What the swings of more than a band show.
+    /// The verdict on swings that exceed a band.
     fn in_swings(time: &[f64], position: &[f64], band_mm: f64, mm_per_count: f64) -> LimitCycle {
         let swings = swings(time, position, band_mm);
         let all: Vec<Cycle> = cycles(&swings).collect();
@@ -218,7 +219,7 @@ impl LimitCycle {
         }
     }
 
-    /// Of two moves the worse one: what is not decided is worse than any swing.
+    /// The worse of two moves: an undecided one is worse than any swing.
     #[must_use]
     pub fn or_worse(self, other: LimitCycle) -> LimitCycle {
         let rank = |one: &LimitCycle| one.swing_mm().unwrap_or(f64::INFINITY);
@@ -245,7 +246,7 @@ impl LimitCycle {
     }
 }
 
-/// What a resting drive moves by at most, mm.
+/// Largest motion of a resting drive, mm.
 pub(super) fn still_band(position: &[f64], mm_per_count: f64) -> f64 {
     (REST_COUNTS * mm_per_count).max(REST_DEVIATIONS * noise::deviation(position))
 }

@@ -5,8 +5,8 @@ use super::{Air, Doubt, LimitCycle, Move};
 use crate::range::Range;
 use pneudrive_report::Table;
 
-/// The moves of a run as a table; `runs` has the moves of the run and then those of each of its perturbed runs. Below a
-/// move stand the least and the most over all of them, where they differ from it in the digits that are shown.
+/// The moves of a run as a table. `runs` has the moves of the run and then those of each of its perturbed runs. Below
+/// a move stand the least and the greatest values of all runs, if they differ from it in the digits shown.
 #[must_use]
 pub fn table(runs: &[Vec<Move>], tolerance_mm: f64) -> Table {
     let figures = FIGURES.iter().map(|figure| figure.heading);
@@ -20,7 +20,7 @@ pub fn table(runs: &[Vec<Move>], tolerance_mm: f64) -> Table {
     )
 }
 
-/// The row of a move, and those of the least and the most if they differ.
+/// The row of a move, and the rows of the least and the greatest values if they differ.
 fn rows(number: usize, moves: &InRuns) -> Vec<Vec<String>> {
     let cells: Vec<Cell> = FIGURES
         .iter()
@@ -67,7 +67,7 @@ impl Cell {
 fn limit_cycle(moves: &InRuns) -> [Cell; 2] {
     let broke_off = LimitCycle::Undecided(Doubt::NoMove);
     let all: Vec<LimitCycle> = moves.iter().map(|one| one.map_or(broke_off, |one| one.limit_cycle)).collect();
-    // What is not decidable may be any swing.
+    // An undecidable swing may be any.
     let swing = |one: &&LimitCycle| one.swing_mm().unwrap_or(f64::INFINITY);
     let by_swing = |a: &&LimitCycle, b: &&LimitCycle| swing(a).total_cmp(&swing(b));
     let ends = all.iter().min_by(by_swing).zip(all.iter().max_by(by_swing));
@@ -109,7 +109,7 @@ fn air(moves: &InRuns) -> Cell {
     Cell { own, ..Cell::of_range(Range { ends, ..range(moves, |one| Some(one.air?.litres)) }, decimals) }
 }
 
-/// What the limit cycles of moves rest on, a sentence each: why one is not decidable, what none means, and where
+/// Remarks on the limit cycles of moves, a sentence each: why one is not decidable, the meaning of none, and where
 /// perturbed runs end otherwise than the run. `runs` has the moves of each, the run's own first.
 #[must_use]
 pub fn remarks(runs: &[Vec<Move>]) -> Vec<String> {

@@ -1,11 +1,11 @@
 //! The moves of a record whose file does not have them.
 //!
-//! Closed loop: setpoint = position + error, and a move begins where it changes. The recorder stores the
-//! error in 16 bits; if it is at their limit, the setpoint is that of the nearest sample before or after that shows it,
-//! provided that the error fits this setpoint.
+//! Closed loop: setpoint = position + error, and a move begins where it changes. The recorder stores the error in 16
+//! bits. If the error is at their limit, the nearest sample before or after with a usable error gives the setpoint,
+//! provided that the error fits it.
 //!
-//! Open loop: the moves are commands. A move begins where the command differs from what the move before would give at
-//! this position (software end positions and the drive stage limit commands).
+//! Open loop: the moves are commands. A move begins where the command differs from the result of the move before at
+//! this position (soft limits and the drive stage limit commands).
 
 use pneudrive_controller::law::Loop;
 use pneudrive_controller::{Config, Move, Sequence};
@@ -45,7 +45,7 @@ pub fn plans(config: &Config, recorded: &[RecordedSample]) -> Result<Vec<Plan>, 
     }
 }
 
-/// The plans that can be made; if there is none, why the first one cannot.
+/// The possible plans; if there is none, why the first one fails.
 fn either(plans: [Result<Plan, ReplayError>; 2]) -> Result<Vec<Plan>, ReplayError> {
     let [first, second] = plans;
     match second {
@@ -91,7 +91,7 @@ fn closed_loop(config: &Config, recorded: &[RecordedSample]) -> Result<Vec<Plan>
     Ok(plans)
 }
 
-/// A move wherever the setpoint changes, from the one that was held before.
+/// A move wherever the setpoint changes from the one held before.
 fn changes(held_first: Option<i32>, setpoints: &[i32]) -> Vec<Move> {
     let before = std::iter::once(held_first).chain(setpoints.iter().copied().map(Some));
     let pairs = (0..).zip(before.zip(setpoints));
@@ -99,8 +99,8 @@ fn changes(held_first: Option<i32>, setpoints: &[i32]) -> Vec<Move> {
     changed.map(|(at_sample, (_, &target))| Move::step(at_sample, target)).collect()
 }
 
-/// The sequence of these moves. It ends with one behind the last sample, if there is room: with `on_arrival` a
-/// run is over with its last move, and the file does not say which one that is.
+/// The sequence of these moves. It ends with a move after the last sample, if there is room: with `on_arrival` a run
+/// is over with its last move, and the file does not say which move that is.
 fn sequence(config: &Config, moves: &[Move], samples: usize) -> Result<Sequence, ReplayError> {
     let mut sequence = Sequence::new(u32::MAX);
     for next in moves {
@@ -137,7 +137,7 @@ fn setpoints(recorded: &[RecordedSample]) -> Result<Vec<Setpoint>, ReplayError> 
     Ok(known.into_iter().flatten().collect())
 }
 
-/// What position and error say; None where the error is at a limit of its 16 bits.
+/// The setpoint by position and error; None if the error is at a limit of its 16 bits.
 fn setpoint_of(k: i32, seen: &RecordedSample) -> Result<Option<Setpoint>, ReplayError> {
     if matches!(seen.error, i16::MIN | i16::MAX) {
         return Ok(None);
@@ -146,7 +146,7 @@ fn setpoint_of(k: i32, seen: &RecordedSample) -> Result<Option<Setpoint>, Replay
     Ok(Some(Setpoint { counts, inferred: false }))
 }
 
-/// Whether an error at a limit of its 16 bits can be that of this setpoint.
+/// Whether an error at a limit of its 16 bits can belong to this setpoint.
 fn fits(setpoint: Setpoint, seen: &RecordedSample) -> bool {
     let error = i64::from(setpoint.counts) - i64::from(seen.position);
     error.clamp(i64::from(i16::MIN), i64::from(i16::MAX)) == i64::from(seen.error)

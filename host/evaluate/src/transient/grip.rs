@@ -12,7 +12,7 @@ pub struct Grip {
 }
 
 impl Grip {
-    /// That of frictions (N); None of a load that nothing holds.
+    /// The grip of frictions (N); None for a load that nothing holds.
     #[must_use]
     pub fn of(holding: &Holding, friction: impl Iterator<Item = f64>) -> Option<Grip> {
         let [extend, retract] = holding.breakaway_n;
@@ -24,7 +24,7 @@ impl Grip {
         })
     }
 
-    /// What lies between two places.
+    /// Linear interpolation between two places.
     #[must_use]
     pub fn between(&self, first: usize, end: usize) -> Grip {
         Grip { used: self.used[first..end].to_vec(), ..*self }

@@ -10,7 +10,7 @@ use pneudrive_sim::{Rig, Run};
 use super::{Cut, Grip, Transient};
 
 impl Transient {
-    /// What [`Transient::of_run`] makes of the run once it is stored, without the columns that no channel needs.
+    /// The form of a stored run that [`Transient::of_run`] gives, without the columns that no channel needs.
     #[must_use]
     pub fn of_simulation(name: &str, rig: &Rig, run: &Run) -> Transient {
         let column = |of: &dyn Fn(&Row) -> f64| run.rows.iter().map(of).collect::<Vec<f64>>();

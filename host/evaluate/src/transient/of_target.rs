@@ -58,8 +58,9 @@ impl Transient {
     }
 }
 
-/// The setpoint of each sample, counts: the error is the setpoint less the position. Open loop has neither. An error at
-/// the limit of its 16 bits does not tell it: it is that of the next sample that does, as a drive comes nearer on its way.
+/// The setpoint of each sample, counts: the error is the setpoint less the position. Open loop has neither. An error
+/// at the limit of its 16 bits does not show it. Then the next sample with a usable error gives it, because a drive
+/// comes nearer on its way.
 fn setpoints(file: &TargetFile, open_loop: bool) -> Vec<f64> {
     let mut next = f64::NAN;
     let mut setpoints: Vec<f64> = file

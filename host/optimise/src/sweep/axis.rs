@@ -1,4 +1,4 @@
-//! What varies from point to point, and its values.
+//! The quantities that vary from point to point, and their values.
 //!
 //! A Latin hypercube of `n` draws has, for each key, exactly one draw in each `n`th of its probability: the
 //! `n`ths are shuffled, and a draw lies anywhere in its own. Each key has its own stream of random numbers. A normal
@@ -16,7 +16,7 @@ pub struct Axis {
     pub name: String,
     /// The keys whose values the levels multiply; empty if a level is the value of the key `name`.
     pub scaled: Vec<String>,
-    /// What it takes on, as in `--set`: a level for each value, or for each draw.
+    /// Its levels, as in `--set`: one for each value, or for each draw.
     pub levels: Vec<String>,
     /// Whether the levels were drawn.
     pub drawn: bool,

@@ -2,7 +2,7 @@
 
 use super::{Row, Sweep};
 
-/// What makes a point better than another.
+/// The criterion by which a point is better than another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Objective {
     /// Place of its metric.
@@ -11,7 +11,7 @@ pub struct Objective {
     pub most: bool,
 }
 
-/// What the size of a metric must keep.
+/// The bounds on the size of a metric.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bound {
     /// Place of the metric.
@@ -23,7 +23,7 @@ pub struct Bound {
 }
 
 impl Bound {
-    /// Whether a row keeps it, over its whole range if it has one. What has no value does not.
+    /// Whether a row is within the bounds, over its whole range if it has one. A missing value is not.
     #[must_use]
     pub fn is_kept(&self, row: &Row) -> bool {
         let sizes = row.sizes(self.metric);

@@ -77,7 +77,7 @@ pub fn run_points(
     each_point(sweep, todo, keep)
 }
 
-/// Runs these points, and gives the row of each to `keep` when it comes. After an error no point is begun.
+/// Runs these points, and gives the row of each to `keep` when it comes. After an error no further point begins.
 ///
 /// # Errors
 /// The first one of `keep`.

@@ -3,10 +3,10 @@
 //! | key | is |
 //! |---|---|
 //! | `rig` | a built-in rig, or a rig file beside this one |
-//! | `settled_mm`, `tolerance` | 0.05, and the allowed error of a step of the integrator: what the drive needs, of draws what a perturbed run needs |
+//! | `settled_mm`, `tolerance` | 0.05, and the allowed error of a step of the integrator: by default that of the drive, for draws that of a perturbed run |
 //! | `ensemble` | 1; with more, each point is run with perturbed runs, and its metrics are ranges over them; not with `[draw]` |
 //! | `[set]` | keys of the rig that all points have in common |
-//! | `[vary]` | a key and what it takes on (`file/vary.rs`) |
+//! | `[vary]` | a key and its values (`file/vary.rs`) |
 //! | `[draw]` | `count` of draws of the distributions, `seed` = 1, `method` = "latin-hypercube" or "random" |
 //! | `[metrics]` | a name and its figure, or `{ figure = "settling_s", move = 2 }`; `move` = a number, "worst" or "sum" |
 //! | `[objective]` | `minimise` or `maximise` = a metric: of its size |
@@ -40,7 +40,7 @@ const TOP: [&str; 10] = [
     "constraints",
 ];
 
-/// Most points of a sweep: what fits into memory with its rows.
+/// Most points of a sweep: they fit into memory with their rows.
 const MAX_POINTS: usize = 1_000_000;
 
 /// Most runs of a point.
@@ -111,7 +111,7 @@ impl Sweep {
         Ok(sweep)
     }
 
-    /// What is wrong if two columns of the result have one name.
+    /// The problem if two columns of the result have one name.
     fn column_twice(&self) -> Option<String> {
         let header = self.header();
         let names: Vec<&str> = header.split(',').collect();
@@ -150,7 +150,7 @@ impl Reader<'_> {
             Err(problems) => {
                 let at_all = self.entry(top, "set").and_then(|set| set.line);
                 for problem in problems.0 {
-                    // What does not go together may be told of a key that is not set here.
+                    // A contradiction may be reported at a key that is not set here.
                     let own = entries.iter().find(|entry| entry.name == problem.key);
                     let key = own.map_or(problem.key.clone(), |own| format!("set.{}", own.name));
                     self.file.problem(own.map_or(at_all, |own| own.line), &key, problem.message);
@@ -180,7 +180,7 @@ impl Reader<'_> {
         self.note(&entry, runs).unwrap_or(1)
     }
 
-    /// What varies, and how many draws there are.
+    /// The varied quantities, and the number of draws.
     fn axes(&mut self, top: &Table, rig: &Rig, settings: &[String]) -> (Vec<Axis>, usize) {
         let draw = self.draw(top);
         let mut axes: Vec<Axis> = Vec::new();
@@ -283,7 +283,7 @@ impl Reader<'_> {
 fn refuse_twice(axis: &Axis, settings: &[String], axes: &[Axis]) -> Result<(), String> {
     let is_set = |key: &str| settings.iter().any(|setting| setting.starts_with(&format!("{key}=")));
     let is_varied = |key: &&str| axes.iter().any(|other| other.keys().any(|own| own == *key));
-    // What is set may be scaled.
+    // A set value may be scaled.
     if axis.scaled.is_empty() && is_set(&axis.name) {
         return Err("is also in [set]; remove it there".to_owned());
     }

@@ -88,7 +88,7 @@ impl Kept {
     /// Reads a journal's text.
     ///
     /// # Errors
-    /// When it is none.
+    /// When it is not one.
     pub fn of(path: &Path, text: &str) -> Result<Kept> {
         if !text.starts_with(MARK) && !MARK.starts_with(text) {
             bail!("{} was not written by this program; choose another folder (--out)", path.display());
@@ -152,7 +152,7 @@ impl Journal {
         Ok((journal, kept.rows(sweep)))
     }
 
-    /// Writes what is missing before rows can follow.
+    /// Writes the missing lines before rows can follow.
     fn begin(&mut self, about: &About, kept: &Kept, text: &str) -> Result<()> {
         match &kept.about {
             Some(before) if before.identity != about.identity => bail!(

@@ -1,4 +1,4 @@
-//! Which figure of which move is collected.
+//! The collected figure, and its move.
 
 use pneudrive_evaluate::evaluation::{LimitCycle, Move};
 
@@ -7,11 +7,11 @@ use pneudrive_evaluate::evaluation::{LimitCycle, Move};
 pub struct Figure {
     /// Its name in a file, with its unit.
     pub name: &'static str,
-    /// What it is.
+    /// Its meaning.
     pub meaning: &'static str,
     /// Its value; None if the move does not show it.
     of: fn(&Move) -> Option<f64>,
-    /// Whether only a move that goes somewhere has it: in a sum, others do not count.
+    /// Whether only a move that goes somewhere has it; in a sum, others do not count.
     of_a_way: bool,
 }
 
@@ -86,7 +86,7 @@ pub enum Which {
     Sum,
 }
 
-/// What is collected of each point.
+/// The collected figures of each point.
 #[derive(Clone, Debug)]
 pub struct Metric {
     /// Its column.

@@ -3,7 +3,7 @@
 //! | column | type |
 //! |---|---|
 //! | `point` | INT64 |
-//! | what varies | DOUBLE, or text where a level is a word |
+//! | varied quantities | DOUBLE, or text if a level is a word |
 //! | metrics and the ends of their ranges | DOUBLE, null where the run does not show it |
 //! | `converged` | BOOLEAN, null of a point without a run |
 //! | `fault`, `failure` | text |

@@ -165,7 +165,7 @@ fn row(sweep: &Sweep, point: usize, run: &Run, moves: &[Vec<Move>]) -> Result<Ro
     })
 }
 
-/// What a run that broke down has said.
+/// The message of a run that panicked.
 fn told(panic: &(dyn Any + Send)) -> String {
     let text = panic.downcast_ref::<String>().map(String::as_str);
     let text = text.or_else(|| panic.downcast_ref::<&str>().copied());

@@ -1,4 +1,4 @@
-//! The page of a sweep: the best point, what is allowed, what failed, and every metric over every axis.
+//! The page of a sweep: the best point, the allowed and the failed ones, and every metric over every axis.
 
 use super::metric::Which;
 use super::{Axis, Objective, Row, Sweep};
@@ -99,8 +99,8 @@ fn in_range(row: &Row, metric: usize) -> String {
 /// Decimals of the figures.
 const DECIMALS: usize = 4;
 
-/// What the draws of each combination of the varied values have in common: how many of them are allowed, and the
-/// largest size of each metric. The most allowed come first, then the best in the objective.
+/// The summary of the draws of each combination of the varied values: how many of them are allowed, and the largest
+/// size of each metric. The combination with the most allowed draws comes first, then the best in the objective.
 #[must_use]
 pub fn combinations(sweep: &Sweep, rows: &[Row]) -> Table {
     let varied: Vec<usize> = (0..sweep.axes.len()).filter(|&place| !sweep.axes[place].drawn).collect();

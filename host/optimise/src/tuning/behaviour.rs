@@ -1,4 +1,4 @@
-//! What a drive does with its gains, beside the goal: the step along the stroke, and sines.
+//! The behaviour of a drive with its gains, beside the goal: the step along the stroke, and sines.
 
 use anyhow::Result;
 
@@ -7,17 +7,17 @@ use super::tracking::{self, Tracked, tracked};
 use super::{Progress, Task, Tuned};
 use pneudrive_evaluate::wanted::Wanted;
 
-/// What a drive does with its gains.
+/// The behaviour of a drive with its gains.
 #[derive(Clone, Debug)]
 pub struct Behaviour {
     /// The step along the stroke, with the gains that were found.
     pub steps: Vec<AtPlace>,
-    /// Sines, with those of the file as well.
+    /// Sines, also with the file's gains.
     pub sines: Vec<Tracked>,
 }
 
 impl Behaviour {
-    /// That of a tuning; `progress` is told of the sines.
+    /// The behaviour after a tuning; `progress` is told of the sines.
     ///
     /// # Errors
     /// When it cannot be simulated, or nobody waits for it any more.

@@ -3,7 +3,7 @@
 /// A quantity, and its range as a share from 0 to 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct DesignVariable {
-    /// What it is.
+    /// Its name.
     pub what: &'static str,
     /// Its unit.
     pub unit: &'static str,

@@ -8,7 +8,7 @@ use super::{Found, Performance, Space, Task, Variant, fixed};
 use pneudrive_evaluate::parallel;
 use pneudrive_evaluate::wanted::{CalledOff, Wanted};
 
-/// What a tuning is at.
+/// The stage of a tuning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
     /// Looks for gains.
@@ -17,23 +17,23 @@ pub enum Stage {
     Finalists,
     /// Judges them on fresh draws.
     Draws,
-    /// Looks for what is in the way.
+    /// Looks for the causes.
     Obstacles,
-    /// Follows sines with what was found.
+    /// Follows sines with the gains found.
     Sines,
 }
 
 impl Stage {
-    /// Those of the search, in their order.
+    /// The stages of the search, in their order.
     pub const ALL: [Stage; 4] = [Stage::Search, Stage::Finalists, Stage::Draws, Stage::Obstacles];
 }
 
 /// How far a stage of a tuning is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Progress {
-    /// What it is at.
+    /// The stage.
     pub stage: Stage,
-    /// Runs that are done, or no longer needed: a candidate that is worse than what it must beat is given up.
+    /// Runs that are done or no longer needed: a candidate that is worse than the one to beat is given up.
     pub done: usize,
     /// Runs of this stage.
     pub all: usize,
@@ -52,13 +52,13 @@ impl<'a> Meter<'a> {
         Meter { tell, at: Progress { stage: Stage::Search, done: 0, all: 0 }, runs: 0 }
     }
 
-    /// A stage begins that needs so many runs.
+    /// A stage begins that needs this many runs.
     pub fn begin(&mut self, stage: Stage, all: usize) {
         self.at = Progress { stage, done: 0, all };
         (self.tell)(self.at);
     }
 
-    /// So many more runs of the stage need not be made any more.
+    /// This many runs of the stage are no longer needed.
     pub fn done(&mut self, runs: usize) {
         self.at.done += runs;
         (self.tell)(self.at);
@@ -69,7 +69,7 @@ impl<'a> Meter<'a> {
     }
 }
 
-/// A rig to be tuned, and what its genes mean: in its own counts and samples.
+/// A rig to be tuned, and the meaning of its genes: in its own counts and samples.
 pub(super) struct Drive<'a> {
     pub task: &'a Task,
     pub trial: Trial,
@@ -114,7 +114,7 @@ impl Drive<'_> {
             for place in found.iter().filter_map(|one| one.given_up_at) {
                 refused[order[place]] += 1;
             }
-            // What has refused most candidates comes first: a poor one then costs a run or two.
+            // The variants that have refused most candidates come first: a poor candidate then costs a run or two.
             order.sort_by_key(|&place| (std::cmp::Reverse(refused[place]), place));
             found.iter().map(|one| one.mean).collect()
         };
@@ -150,8 +150,8 @@ impl Drive<'_> {
         costs
     }
 
-    /// A candidate of the last generation, or the gains of the file, on what it was tuned on and on the perturbed runs of
-    /// the file's rig.
+    /// A candidate of the last generation, or the gains of the file, on the draws of the search and on the perturbed
+    /// runs of the file's rig.
     pub fn finalist(&self, shares: Option<&[f64]>, tuned_on: &[Variant], meter: &mut Meter) -> Found {
         let settings = shares.map_or_else(Vec::new, |shares| self.space.settings(shares));
         let places = shares.map_or_else(Vec::new, |shares| self.space.places(shares));
@@ -175,9 +175,9 @@ impl Drive<'_> {
 /// Sums in another order of the variants differ by less.
 const ROUNDING: f64 = 1e-12;
 
-/// What a candidate costs.
+/// The cost of a candidate.
 struct Cost {
-    /// Its mean cost; of one that was given up, that of the variants it was looked at, over all of them.
+    /// Its mean cost; for one that was given up, the cost on its checked variants over the number of all.
     mean: f64,
     /// Which variant put it above its limit.
     given_up_at: Option<usize>,

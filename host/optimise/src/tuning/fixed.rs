@@ -5,7 +5,7 @@ use pneudrive_sim::rig::value_of_setting;
 
 use super::Task;
 
-/// What the step sets itself.
+/// The keys that the step sets itself.
 const OF_THE_STEP: [&str; 4] = ["test.moves", "test.targets", "test.duration_s", "test.position_m"];
 
 /// The keys that are held.
@@ -21,7 +21,7 @@ fn key(setting: &str) -> &str {
 /// Whether all keys can be held.
 ///
 /// # Errors
-/// Which one cannot, why, and what can: a key that there is not, one that the spread draws, one that the step sets.
+/// Which key cannot be fixed, why, and which can: an unknown key, one that the spread draws, one that the step sets.
 pub fn check(task: &Task) -> Result<()> {
     for setting in &task.fixed {
         let (key, value) = setting.split_once('=').unwrap_or((setting, ""));
@@ -43,5 +43,5 @@ pub fn check(task: &Task) -> Result<()> {
     Ok(())
 }
 
-/// What may be held.
+/// The keys that may be fixed.
 const CAN_BE_FIXED: &str = "Of the keys that are searched, these can be fixed: controller.gain_profile (with its span), controller.profile_span_counts, controller.proportional_gain, controller.velocity_gain, controller.acceleration_gain, controller.velocity_window_samples, controller.acceleration_window_samples, controller.dead_band_counts, controller.null_offset_counts, operator.dither_mm, operator.dither_hz; and any other key of a rig";

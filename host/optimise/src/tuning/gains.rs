@@ -48,23 +48,23 @@ pub struct Space {
     settled_mm: f64,
 }
 
-/// What was found of a gene, beside the range that it was looked for in.
+/// The result for a gene, beside the range of its search.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Optimum {
-    /// What it is.
+    /// Its name.
     pub what: &'static str,
     /// Its unit.
     pub unit: &'static str,
-    /// What was found.
+    /// The value found.
     pub value: f64,
     /// The range that was searched.
     pub range: [f64; 2],
-    /// Whether what was found is an end of that range which is no natural one: a better value may lie beyond.
+    /// Whether the value found is an end of that range which is not a natural one: a better value may lie beyond.
     pub at_limit: bool,
 }
 
 impl Space {
-    /// What there is to be looked for on a rig whose keys `fixed` stay as they are.
+    /// The genes of a rig whose keys `fixed` stay as they are.
     ///
     /// # Errors
     /// When its law has no gains, or all of them are held.
@@ -130,7 +130,7 @@ impl Space {
         self.variables.is_empty()
     }
 
-    /// What genes from 0 to 1 become, as `key=value`.
+    /// The settings for genes from 0 to 1, as `key=value`.
     #[must_use]
     pub fn settings(&self, shares: &[f64]) -> Vec<String> {
         let value = |design_variable: &DesignVariable| {

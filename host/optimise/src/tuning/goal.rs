@@ -17,7 +17,7 @@
 use super::Proportion;
 use pneudrive_evaluate::evaluation::{Doubt, LimitCycle, Move};
 
-/// What is asked of a step.
+/// The requirements on a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Goal {
     /// How far it goes, mm.
@@ -44,10 +44,10 @@ const SETTLED_BY: f64 = 0.75;
 /// Cost of a run that tripped, or could not be simulated, s.
 const FAILED: f64 = 1e3;
 
-/// A trial so far from the goal costs half of what one without hope costs more than one close to it, s.
+/// A trial this far from the goal has half of the extra cost of a hopeless one, s.
 const HALFWAY_S: f64 = 5.0;
 
-/// What a step there and back has shown; of the two the worse.
+/// The result of a step there and back; the worse of the two.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Performance {
     /// Until it stays, s; None: it does not.
@@ -100,7 +100,7 @@ impl Performance {
         }
     }
 
-    /// What it costs in the search, from 0 to 2.
+    /// Its cost in the search, from 0 to 2.
     #[must_use]
     pub fn cost(&self, goal: &Goal) -> f64 {
         match self.settling_s {
@@ -129,7 +129,7 @@ impl Performance {
         settled + 0.2 * beyond + swings
     }
 
-    /// What is not as it should be, in words; none: the goal is met.
+    /// The unmet requirements, in words; none: the goal is met.
     #[must_use]
     pub fn faults(&self, goal: &Goal) -> Vec<&'static str> {
         if !self.failure.is_empty() {

@@ -10,7 +10,7 @@ use super::search::Budget;
 use super::spread::FRICTION;
 use super::{Found, Task, Variant};
 
-/// The search on each of them: it goes on from the better half of the last generation, for a third of the time.
+/// The search on each of them continues from the better half of the last generation, for a third of the time.
 #[must_use]
 pub fn budget(of_search: &Budget) -> Budget {
     Budget {
@@ -52,13 +52,13 @@ pub(super) fn search(
 /// An imperfection, and the keys of a rig without it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Suspect {
-    /// What is taken away.
+    /// The removed imperfection.
     pub what: &'static str,
     /// As `key=value`.
     pub settings: Vec<String>,
 }
 
-/// A suspect, and what the best gains without it do.
+/// A suspect, and the best gains without it.
 #[derive(Clone, Debug)]
 pub struct LimitingImperfection {
     /// The suspect.
@@ -67,7 +67,7 @@ pub struct LimitingImperfection {
     pub found: Found,
 }
 
-/// What could be in the way on a rig.
+/// The possible causes on a rig.
 #[must_use]
 pub fn suspects(rig: &Rig) -> Vec<Suspect> {
     [of_operator(rig), of_valve(rig), of_load(rig), of_sampling(rig)].concat()

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-/// So many of so many draws.
+/// A number of draws out of a number of draws.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Proportion {
     /// Draws in which it holds.
@@ -11,7 +11,7 @@ pub struct Proportion {
     pub of: usize,
 }
 
-/// Of a normal distribution, 95 % lie within so many standard deviations.
+/// 95 % of a normal distribution lie within this many standard deviations.
 const DEVIATIONS_95: f64 = 1.959_963_984_540_054;
 
 impl Proportion {

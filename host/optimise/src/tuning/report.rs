@@ -120,7 +120,7 @@ fn nominal(task: &Task, tuned: &Tuned) -> String {
     format!("The rig of the file, in mid-stroke, {how}.")
 }
 
-/// What prevents the goal, or settling at all, if the goal is not met everywhere.
+/// The obstacle to the goal, or to settling at all, if the goal is not met everywhere.
 fn reason(task: &Task, tuned: &Tuned) -> Option<String> {
     let met = |found: &Found| found.met(&task.goal);
     let settled = |found: &Found| {

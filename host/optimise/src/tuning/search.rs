@@ -24,7 +24,7 @@ pub struct Budget {
 }
 
 impl Budget {
-    /// Runs that a search needs at most, of candidates that make so many each.
+    /// Most runs of a search whose candidates make this many runs each.
     #[must_use]
     pub fn runs(&self, each: usize) -> usize {
         self.population * self.generations * each
@@ -35,7 +35,7 @@ impl Budget {
 const SCALE: [f64; 2] = [0.4, 0.9];
 const CROSSING: f64 = 0.8;
 
-/// What was found.
+/// The result.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outcome {
     /// The last generation, the best candidate first.

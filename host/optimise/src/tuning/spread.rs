@@ -7,7 +7,7 @@ use pneudrive_sim::rig::unit_interval;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 
-/// By how much a rig may differ, as a fraction of what its file says.
+/// How much a rig may differ, as a fraction of its file's values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Relative {
     /// The mass.
@@ -18,7 +18,7 @@ pub struct Relative {
     pub supply: f64,
 }
 
-/// A rig of the spread, as factors on what the file says, and the step that it makes.
+/// A rig of the spread, as factors on the file's values, and its step.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Variant {
     /// On the mass.
@@ -33,7 +33,7 @@ pub struct Variant {
     pub extends: bool,
 }
 
-/// What is friction of the load.
+/// The keys of the load's friction.
 pub(super) const FRICTION: [&str; 5] = [
     "load.static_extend_n",
     "load.coulomb_extend_n",
@@ -60,7 +60,7 @@ impl Variant {
     /// The rig of the file, extending about the middle.
     pub const NOMINAL: Variant = Variant { load: 1.0, friction: 1.0, supply: 1.0, place: 0.5, extends: true };
 
-    /// What it makes of a rig, as `key=value`; without the step.
+    /// Its settings for a rig, as `key=value`; without the step.
     #[must_use]
     pub fn settings(&self, rig: &Rig) -> Vec<String> {
         let factors = [("load.mass_kg", self.load), ("supply.pressure_pa", self.supply)];
@@ -87,8 +87,8 @@ impl Variant {
 /// Draws that gains are tuned on, beside the rig of the file.
 const DRAWS: usize = 20;
 
-/// What gains are tuned on: the step of the file's rig in mid-stroke, and a Latin hypercube of draws from all of the
-/// spread and of places, in directions that take turns. Corners alone would be another drive than the one that the
+/// The rigs for the search: the step of the file's rig in mid-stroke, and a Latin hypercube of draws from the whole
+/// spread and of places, in alternating directions. Corners alone would be a different drive from the one that the
 /// gains are judged on: they are its rarest and worst.
 #[must_use]
 pub fn tuned_on(spread: &Relative, seed: u64) -> Vec<Variant> {
@@ -118,7 +118,7 @@ fn factor(by: f64, share: f64) -> f64 {
     1.0 + by * (2.0 * share - 1.0)
 }
 
-/// What gains are judged on: draws from all of the spread, and of place and direction.
+/// The rigs for the judgement: draws from the whole spread, and of place and direction.
 #[must_use]
 pub fn fresh(spread: &Relative, seed: u64, count: usize) -> Vec<Variant> {
     let mut random = stream(seed, FRESH);

@@ -5,11 +5,11 @@
 //!
 //! | run on | shows |
 //! |---|---|
-//! | the rig of the file and its perturbed runs | the figures with their range, and what limits them ([`limit`]) |
+//! | the rig of the file and its perturbed runs | the figures with their range, and their limits ([`limit`]) |
 //! | the first of the fresh draws | the range over the spread of load, friction and supply |
 //!
-//! `tune` looks for no feed-forward. Where the file has none, the sines are also followed with as much of it as there is feedback,
-//! so that the page shows what it would change.
+//! `tune` does not search for a feed-forward. If the file has none, the sines are also followed with as much
+//! feed-forward as feedback, so that the page shows its effect.
 
 pub mod limit;
 pub mod sine;
@@ -28,17 +28,17 @@ use sine::Sine;
 /// Of the sines.
 pub const FREQUENCIES_HZ: [f64; 2] = [0.5, 1.0];
 
-/// So many of the fresh draws are looked at.
+/// This many of the fresh draws are used.
 const DRAWS: usize = 20;
 
 /// With which gains a sine is followed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Gains {
-    /// Those of the file.
+    /// The file's gains.
     OfFile,
     /// Those that were found.
     Found,
-    /// The same or, if none were found, those of the file, with as much feed-forward as feedback.
+    /// The same gains or, if none were found, the file's, with as much feed-forward as feedback.
     FeedForward,
 }
 
@@ -49,7 +49,7 @@ pub struct Tracked {
     pub sine: Sine,
     /// The gains.
     pub gains: Gains,
-    /// They as `key=value`, where they are not those of the file.
+    /// The gains as `key=value`, if they are not the file's.
     pub settings: Vec<String>,
     /// On the rig of the file, first, and on its perturbed runs; of a run that did not come to its end, why.
     pub runs: Vec<Result<Following, String>>,

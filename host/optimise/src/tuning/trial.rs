@@ -22,10 +22,10 @@ use pneudrive_evaluate::wanted::Wanted;
 /// Runs of the file's rig and its perturbed runs.
 pub(super) const MEMBERS: usize = 8;
 
-/// Before it moves the drive holds for so long, s.
+/// Before it moves, the drive holds for this long, s.
 pub(super) const DWELL_S: f64 = 0.1;
 
-/// What a rig's own test says of moves, rows and records: the step has its own.
+/// The keys of a rig's own test for moves, rows and records: the step has its own.
 const SCHEDULE: [&str; 9] = [
     "move",
     "moves",
@@ -48,7 +48,7 @@ fn spacing() -> Spacing {
 pub struct Trial {
     /// The rig of the file, with the step about the middle of its way.
     pub rig: Rig,
-    /// Its file without a schedule, and what is set in it.
+    /// Its file without a schedule, and its settings.
     file: RigFile,
     settings: Vec<String>,
     goal: Goal,
@@ -67,7 +67,7 @@ struct Way {
     time_s: f64,
 }
 
-/// What a drive is asked to do on a rig.
+/// The task of a drive on a rig.
 pub(super) struct Course {
     /// As `key=value`.
     pub moves: String,
@@ -117,7 +117,7 @@ impl Trial {
         self.measure(&rig, |run| self.measured(&rig, run))
     }
 
-    /// What is measured of the run of a rig, as a draw.
+    /// The measurements of a run of a rig, as a draw.
     pub(super) fn measure<T>(
         &self,
         rig: &Rig,
@@ -127,7 +127,7 @@ impl Trial {
         measured.unwrap_or_else(|error| Err(error.to_string()))
     }
 
-    /// What is measured of the runs of a rig and its perturbed runs, the rig first.
+    /// The measurements of the runs of a rig and its perturbed runs, the rig first.
     pub(super) fn measure_members<T: Send>(
         rig: &Rig,
         measure: impl Fn(&Rig, &Run) -> Result<T, String> + Sync,
@@ -165,7 +165,7 @@ impl Trial {
         self.rig_of(gains, &Variant::NOMINAL)
     }
 
-    /// What a step there and back has shown.
+    /// The result of a step there and back.
     #[must_use]
     pub fn performance(&self, moves: &[Move]) -> Performance {
         let steps: Vec<&Move> = moves.iter().skip(1).collect();
@@ -216,7 +216,7 @@ impl Trial {
     }
 }
 
-/// What is measured of a run that comes to its end; of another one, its fault.
+/// The measurements of a run that comes to its end; otherwise its fault.
 fn to_its_end<T>(run: &Run, measure: impl FnOnce(&Run) -> Result<T, String>) -> Result<T, String> {
     match run.fault {
         Some((fault, k)) => Err(format!("{} at sample {k}", fault_name(fault))),

@@ -18,7 +18,7 @@ pub(super) struct Readings {
     pub pressure: Vec<f64>,
     /// m^3.
     pub volume: Vec<f64>,
-    /// What leaks into it past the piston, kg/s.
+    /// The leakage into it past the piston, kg/s.
     pub leak: Vec<f64>,
     /// Standard deviation of a pressure, Pa.
     pub pressure_noise: f64,

@@ -27,7 +27,7 @@ const BAND: f64 = 6.5;
 /// A rise begins and ends at extremes of the noise, which may lengthen it by this, standard deviations.
 const LENGTHENED: f64 = 2.0;
 
-/// Parts of what is seen that are not air, and that may be missing.
+/// Parts of the measured amount that may not be air, and that may be missing.
 const HOTTER: f64 = 0.015;
 const MISSING: f64 = 0.005;
 
@@ -48,7 +48,7 @@ pub struct Chambers {
 }
 
 impl Chambers {
-    /// Those of a rig.
+    /// The chambers of a rig.
     #[must_use]
     pub fn of(rig: &Rig) -> Chambers {
         let dithers =
@@ -77,7 +77,7 @@ impl Chambers {
         self.samples_in_a_period(transient).is_none_or(|samples| samples >= FEWEST_IN_A_PERIOD)
     }
 
-    /// What is known of both chambers at each sample.
+    /// The known quantities of both chambers at each sample.
     fn readings(&self, transient: &Transient) -> [Readings; 2] {
         let channels = &transient.channels;
         let noise =
@@ -167,8 +167,8 @@ fn spread(values: &[f64], from: usize, samples: usize) -> Vec<f64> {
         .collect()
 }
 
-/// What a ripple of the dither may have let in up to each sample without being seen, kg: in each period in which the
-/// filling stays within its noise, as much as that.
+/// The air that a ripple of the dither may have let in unseen up to each sample, kg: in each period in which the
+/// filling stays within its noise, as much as that noise.
 fn hidden(filling: &Filling, samples_in_a_period: Option<f64>) -> Vec<f64> {
     let Some(samples) = samples_in_a_period else { return vec![0.0; filling.mass.len()] };
     let samples = samples.round() as usize;

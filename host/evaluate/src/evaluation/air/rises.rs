@@ -8,7 +8,7 @@ pub(super) struct Rises {
     pub bands: Vec<f64>,
 }
 
-/// The rises of values that have a band each: what stays within it is noise.
+/// The rises of values with a band each: changes within the band are noise.
 ///
 /// A rise is seen when the value stands more than its band above the lowest since the last one, and ends when it has
 /// fallen by its band.

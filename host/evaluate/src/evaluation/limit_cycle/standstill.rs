@@ -1,18 +1,18 @@
 //! Whether a drive that stands still rests, or sticks until its pressures make it jump.
 //!
-//! The time at rest is divided into three parts, each T long. With a and b the changes of a mean pressure from the first
-//! part to the second and from there to the third, what is still to come of an exponential at the end is
+//! The time at rest is divided into three parts, each T long. Let a and b be the changes of a mean pressure from the
+//! first part to the second and from there to the third. The remaining change of an exponential at the end is then
 //!
 //! ```text
 //! c = |b| min(q^1.5/(1 - q), H/T)      q = b/a;  H = 10 s: nothing is foreseen for longer
 //! ```
 //!
-//! If q is not between 0 and 1, the pressure may go on as it does for H. The means are weighted by a Hann window, so that
-//! the ripple of a dither does not count.
+//! If q is not between 0 and 1, the pressure may continue to change in this way for H. The means are weighted by a
+//! Hann window, so that the ripple of a dither does not count.
 //!
-//! Pressures are at rest if less than 2 kPa of each is still to come. What is to come also has to be
-//! small beside what still holds the load: less than half of it, where its friction is known. A record does not show
-//! friction: there, pressures at rest are all that can be asked for.
+//! Pressures are at rest if the remaining change of each is below 2 kPa. It also has to be less than half of the
+//! force that still holds the load, if the friction is known. A record does not show the friction; there, pressures
+//! at rest must suffice.
 
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -20,13 +20,13 @@ use std::ops::Range;
 use super::Doubt;
 use crate::transient::Grip;
 
-/// Pressures of which less is to come are at rest, kPa.
+/// Pressures with a smaller remaining change are at rest, kPa.
 const STEADY_KPA: f64 = 2.0;
 
-/// How long what still changes may go on as it does, s.
+/// How long a change may continue unabated, s.
 const FORESEEN_S: f64 = 10.0;
 
-/// What is to come is this much smaller than what holds the load.
+/// The remaining change is this much smaller than the holding force.
 const HOLDS: f64 = 2.0;
 
 /// Into how many parts the time is divided.
@@ -43,7 +43,7 @@ pub(super) struct Standstill<'a> {
 }
 
 impl<'a> Standstill<'a> {
-    /// What a transient shows of it in these samples, the last ones of its move.
+    /// The verdict on a transient from these samples, the last ones of its move.
     pub fn of(
         pressures: [&'a [f64]; 2],
         grip: Option<&'a Grip>,
@@ -57,7 +57,7 @@ impl<'a> Standstill<'a> {
         }
     }
 
-    /// Why it cannot be told whether the drive rests; None if it does.
+    /// Why it cannot be decided whether the drive rests; None if it can.
     pub fn doubt(&self) -> Option<Doubt> {
         if self.pressures[0].len() < PARTS {
             return Some(Doubt::JustStopped);
@@ -95,7 +95,7 @@ struct Course {
 }
 
 impl Course {
-    /// That of a pressure (kPa) over a time (s).
+    /// The course of a pressure (kPa) over a time (s).
     fn of(pressure: &[f64], during_s: f64) -> Course {
         let samples = pressure.len() / PARTS;
         let mean = |part: usize| weighted_mean(&pressure[part * samples..(part + 1) * samples]);
@@ -103,13 +103,13 @@ impl Course {
         Course { changes, part_s: during_s / PARTS as f64 }
     }
 
-    /// What the second change is of the first one, if an exponential can change so.
+    /// The ratio of the second change to the first one, if an exponential can change in this way.
     fn decays(&self) -> Option<f64> {
         let ratio = self.changes[1] / self.changes[0];
         (0.0..1.0).contains(&ratio).then_some(ratio)
     }
 
-    /// What is still to come of it, kPa, without a sign.
+    /// The remaining change, kPa, without a sign.
     fn remainder(&self) -> f64 {
         let as_it_goes = FORESEEN_S / self.part_s;
         let by = self.decays().map_or(as_it_goes, |ratio| ratio.powf(1.5) / (1.0 - ratio));
@@ -121,7 +121,7 @@ impl Course {
         self.changes[1].abs() / self.part_s
     }
 
-    /// How long until less than this is to come, s; at most what is foreseen.
+    /// How long until the remaining change is below this, s; at most the time that is foreseen.
     fn until(&self, allowed: f64) -> f64 {
         let wait = |ratio: f64| self.part_s * (self.remainder() / allowed).ln() / -ratio.ln();
         self.decays().map_or(FORESEEN_S, wait).min(FORESEEN_S)

@@ -93,7 +93,7 @@ pub(super) fn only(table: &dyn TableLike, names: &[&str]) -> Result<(), String> 
     unknown.map_or(Ok(()), |name| Err(format!("unknown key {name}{}", nearest_of(name, names))))
 }
 
-/// What was meant, or could be.
+/// The intended or the possible names.
 pub(super) fn nearest_of(name: &str, names: &[&str]) -> String {
     match nearest(name, names.iter().copied()) {
         Some(likely) => format!("; did you mean {likely}?"),

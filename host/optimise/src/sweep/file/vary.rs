@@ -25,7 +25,7 @@ const FIELDS: [&str; 8] = ["values", "from", "to", "steps", "spacing", "uniform"
 /// Most steps of a range.
 const MAX_STEPS: usize = 100_000;
 
-/// What a key takes on, before it is drawn.
+/// The values of a key, before they are drawn.
 enum Spread {
     Listed(Vec<String>),
     Range(Range),
@@ -91,7 +91,7 @@ fn in_key_units(name: &str, spread: Spread) -> Result<(String, Spread), String> 
     Ok((key.path.to_owned(), Spread::Listed(levels)))
 }
 
-/// Whether a name is that of a key without its unit.
+/// Whether a name is a key's without its unit.
 fn is_without_unit(key: &Key, name: &str) -> bool {
     let (stem, unit) = unit(key.name());
     let table = key.path.strip_suffix(key.name()).unwrap_or_default();

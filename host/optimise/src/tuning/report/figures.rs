@@ -13,7 +13,7 @@ use pneudrive_evaluate::parallel;
 use pneudrive_evaluate::transient::{CHANNELS, COMMAND, POSITION, SETPOINT, SPOOL, Transient};
 use pneudrive_report::{Curve, Figure, Look, Panel};
 
-/// What is drawn of the file's rig, from top to bottom.
+/// The curves of the file's rig, from top to bottom.
 const DRAWN: [usize; 3] = [POSITION, COMMAND, SPOOL];
 
 pub(super) const BEFORE: &str = "#7f7f7f";

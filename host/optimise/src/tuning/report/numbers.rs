@@ -8,7 +8,7 @@ use crate::tuning::tracking::limit::{self, Following, Limit};
 use crate::tuning::{Behaviour, Found, Goal, LimitingImperfection, Performance, Tuned};
 use pneudrive_evaluate::evaluation::LimitCycle;
 
-/// Gains, and what they reach (docs/json.md). An unknown number is null.
+/// Gains and their results (docs/json.md). An unknown number is null.
 #[must_use]
 pub fn to_json(goal: &Goal, tuned: &Tuned, behaviour: &Behaviour) -> Value {
     let step = |step: &AtPlace| {
@@ -61,7 +61,7 @@ fn following(run: &Result<Following, String>) -> Value {
     })
 }
 
-/// Gains: in how many fresh draws they meet the goal, and what they do there.
+/// Gains: in how many fresh draws they meet the goal, and their figures there.
 fn found(found: &Found, goal: &Goal) -> Value {
     let met = found.met(goal);
     json!({

@@ -34,7 +34,7 @@ impl Limit {
         }
     }
 
-    /// What the run shows of it.
+    /// Its figure for a run.
     fn seen(self, following: &Following) -> String {
         let percent = |share: f64| format!("{:.0} % of the squared error", 100.0 * share);
         match self {
@@ -46,7 +46,7 @@ impl Limit {
     }
 }
 
-/// What the sines are, and what the law does about their motion.
+/// The description of the sines, and the law's reaction to their motion.
 #[must_use]
 pub fn notes(trial: &Trial, behaviour: &Behaviour) -> Vec<String> {
     let Some(Tracked { sine, .. }) = behaviour.sines.first() else { return Vec::new() };
@@ -76,7 +76,7 @@ fn feed_forward(trial: &Trial, behaviour: &Behaviour) -> String {
     }
 }
 
-/// The errors along the sines, and what limits them.
+/// The errors along the sines, and their limits.
 #[must_use]
 pub fn errors(sines: &[Tracked]) -> Table {
     let draws = sines.first().map_or(0, |one| one.draws.len());
@@ -147,7 +147,7 @@ fn each(runs: &[Result<Following, String>], of: &dyn Fn(&Following) -> f64) -> V
     runs.iter().map(|run| run.as_ref().ok().map(of)).collect()
 }
 
-/// Between which values those of all draws lie.
+/// The range over all draws.
 fn ends(values: &[Option<f64>]) -> String {
     let range = Range::of(values);
     let Some([least, most]) = range.ends else { return "-".to_owned() };
@@ -157,7 +157,7 @@ fn ends(values: &[Option<f64>]) -> String {
     }
 }
 
-/// What limits it, and in how many draws the same does.
+/// Its limit, and in how many draws it is the same.
 fn limited(one: &Tracked) -> String {
     let nominal = match one.runs.first() {
         Some(Ok(nominal)) => nominal,

@@ -65,7 +65,7 @@ pub fn judged(tuned: &Tuned, goal: &Goal) -> Table {
     many(&format!("in {} fresh draws from the spread", tuned.fresh.len()), "gains", rows)
 }
 
-/// What limits the performance.
+/// The limits on the performance.
 #[must_use]
 pub fn obstacles(all: &[LimitingImperfection], goal: &Goal) -> Table {
     let row =
@@ -130,7 +130,7 @@ fn with_ensemble(name: String, runs: &[Performance], goal: &Goal) -> Vec<String>
     ]
 }
 
-/// The keys that were found, and what they were.
+/// The keys found, and their former values.
 #[must_use]
 pub fn gains(trial: &Trial, tuned: &Tuned) -> Table {
     let row = |setting: &String| {

@@ -1,8 +1,8 @@
-//! How a run follows a sine, and what limits that.
+//! How a run follows a sine, and its limit.
 //!
 //! Each sample of the swings belongs to the first of these that holds, and counts with its squared error:
 //!
-//! | where | what holds there | limit |
+//! | | where | condition there | limit |
 //! |---|---|---|
 //! | the error is below the dead band, or one count | the law asks for nothing, or cannot see it | resolution |
 //! | the command opens the valve fully, in the direction of the error | no gain could ask for more | valve flow |
@@ -15,8 +15,9 @@
 //! a = 2 mean(e cos wt),   b = 2 mean(e sin wt),   its share of mean(e^2): (a^2 + b^2)/2 / mean(e^2),   behind by a/(w A)
 //! ```
 //!
-//! What holds where more than half of the squared error arises is the limit of a run; of the law only if more than half of it swings
-//! with the sine as well. A drive is limited by it if the run of the rig of the file and those of all its perturbed runs are.
+//! The limit of a run is the condition that holds where more than half of the squared error arises; the law is the
+//! limit only if more than half of the error also swings with the sine. A limit holds for a drive if it holds for the
+//! run of the rig of the file and for all its perturbed runs.
 
 use std::f64::consts::TAU;
 
@@ -35,7 +36,7 @@ const MAX: f64 = 0.5;
 /// The largest command of a converter, counts.
 const FULL_COUNTS: i64 = 2048;
 
-/// What limits a run.
+/// The limit of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Limit {
     /// Dead band and encoder.
@@ -61,9 +62,9 @@ pub struct Following {
     pub fully_open: f64,
     /// Where it is not, and the piston stands.
     pub standing: f64,
-    /// Of the whole squared error, what swings with the sine.
+    /// The part of the whole squared error that swings with the sine.
     pub with_sine: f64,
-    /// How long that is behind the sine, s.
+    /// Its delay behind the sine, s.
     pub behind_s: f64,
 }
 
@@ -108,7 +109,7 @@ impl Following {
         (1.0 - self.in_dead_band - self.standing - self.fully_open).max(0.0)
     }
 
-    /// What limits the run; None where that cannot be seen.
+    /// The limit of the run; None if it cannot be seen.
     #[must_use]
     pub fn limit(&self) -> Option<Limit> {
         let law = self.moving().min(self.with_sine);
@@ -123,7 +124,7 @@ impl Following {
     }
 }
 
-/// What limits a drive: what limits all of its runs.
+/// The limit of a drive: the limit of all its runs.
 #[must_use]
 pub fn common(runs: &[Result<Following, String>]) -> Option<Limit> {
     let mut limits = runs.iter().map(|run| run.as_ref().ok().and_then(Following::limit));
@@ -135,7 +136,7 @@ fn error_mm(sine: &Sine, row: &Row) -> f64 {
     f64::from(row.observation.setpoint) * sine.mm_per_count - 1e3 * row.plant.position
 }
 
-/// What holds at a sample: as the limit that it speaks for.
+/// The condition at a sample, as the limit that it indicates.
 struct Places {
     /// Counts.
     dead_band: i64,

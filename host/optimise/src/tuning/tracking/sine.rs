@@ -25,7 +25,7 @@ pub(super) fn lasts_s(frequency_hz: f64) -> f64 {
 pub struct Sine {
     /// Hz.
     pub frequency_hz: f64,
-    /// What it swings about, counts.
+    /// Its centre, counts.
     pub middle: i64,
     /// To either side, counts.
     pub amplitude: i64,
@@ -51,7 +51,7 @@ impl Sine {
         }
     }
 
-    /// What it swings about, mm.
+    /// Its centre, mm.
     #[must_use]
     pub fn middle_mm(&self) -> f64 {
         self.middle as f64 * self.mm_per_count
