@@ -80,7 +80,7 @@ pub enum Command {
     Fmu(Fmu),
     /// Run the component tests of the thesis on a rig's valve, operator and tubes
     Characterise(Characterise),
-    /// Run the application studies of the thesis: what it says, and what the model shows
+    /// Run the application studies of the thesis, and say where the model agrees with it
     Study(Study),
     /// Reproduce the thesis: its numbers beside those of the model, section by section on one page
     Thesis(Thesis),
@@ -88,7 +88,7 @@ pub enum Command {
     Sweep(Sweep),
     /// Join the shards of a sweep
     Merge(Merge),
-    /// Compare the models of a component: what each costs and changes
+    /// Compare the models of each component: their cost, and their effect on the transient
     Ladder(Ladder),
     /// Find gains for a rig that hold over a spread of loads, friction and supply
     Tune(Tune),

@@ -4,7 +4,7 @@
 //! { "format": "pneudrive-eval 1", "program": "0.1.0", "exit": 0, "error": null, "result": { "moves": [] } }
 //! ```
 //!
-//! Notes and errors stay on standard error. What a command has found before it fails is in the document.
+//! Notes and errors stay on standard error. The document contains the findings of a command before it failed.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -121,7 +121,7 @@ pub fn figures(of: impl FnOnce() -> Value) {
     }
 }
 
-/// Prints what has been found so far as a document of one line, and begins the next one: for what goes on.
+/// Prints the findings so far as a document of one line, and begins the next one: for commands that continue.
 pub fn line() {
     if let Some(document) = document().as_mut() {
         let result = std::mem::take(&mut document.result);

@@ -3,7 +3,7 @@
 //! | module | holds |
 //! |---|---|
 //! | [`cli`], [`command`] | arguments, and one thin file a subcommand |
-//! | [`mod@output`], [`json`], [`exit`], `version` | what the program says, as text and as JSON, how it ends, and what it understands |
+//! | [`mod@output`], [`json`], [`exit`], `version` | the program's output, as text and as JSON, its end, and what it understands |
 //!
 //! The work is done by crates that other programs can use, too: `pneudrive_records` reads and writes the files,
 //! `pneudrive_link` talks to rigs, `pneudrive_rigs` simulates rigs, `pneudrive_evaluate` says what transients tell.

@@ -1,4 +1,4 @@
-//! What `pneudrive --version` says: which rigs and files this program understands, and how it was built.
+//! The output of `pneudrive --version`: the rigs and files that this program understands, and how it was built.
 
 use std::sync::LazyLock;
 

@@ -110,7 +110,7 @@ pub struct Thesis {
 #[derive(Debug, Args)]
 #[command(after_help = figures())]
 pub struct Sweep {
-    /// The sweep file: what varies, what is collected
+    /// The sweep file: the varied keys, the collected figures
     #[arg(value_name = "SWEEP.toml")]
     pub file: PathBuf,
     /// Folder for sweep.csv, sweep.html and sweep.journal [default: a folder named like the file]

@@ -74,7 +74,7 @@ pub struct Import {
     /// The rig that was logged: its sensors and parameters
     #[command(flatten)]
     pub rig: RigChoice,
-    /// Which column is what: a TOML file
+    /// The meaning of the columns: a TOML file
     #[arg(long, value_name = "MAP.toml")]
     pub columns: PathBuf,
     /// Time between samples, such as \"1 ms\" [default: that of the log if it is even, else the rig's]

@@ -241,7 +241,7 @@ fn moves(motion: &Motion) -> String {
     format!("number {} {arrival}, {} not reached{learned}", motion.begun, motion.not_reached)
 }
 
-/// Who commands the drive, in words.
+/// The owner of the drive, in words.
 fn words_of(owner: &Commander) -> String {
     let (host, silent_s) = (&owner.host, f64::from(owner.silent_ms) / 1e3);
     match owner.presence {

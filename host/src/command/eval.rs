@@ -25,7 +25,7 @@ use super::rig_source::load_rig;
 use crate::cli::{Eval, Interval};
 use crate::json;
 
-/// Names of the columns behind the channels in a CSV file.
+/// Names of the columns after the channels in a CSV file.
 const MOTION: [&str; 2] = ["velocity, mm/s", "acceleration, mm/s^2"];
 
 /// The start of every CSV file of this command, by which it recognises the files that it may replace.
@@ -76,7 +76,7 @@ fn cut_at_end(transient: &Transient) -> Option<String> {
     Some(format!("The last move continues after {end:.4} s; its figures cover only the part before."))
 }
 
-/// The rig that is named, or else that of a run folder, if this program accepts its values.
+/// The named rig, or else the rig of a run folder, if this program accepts its values.
 ///
 /// # Errors
 /// When the named rig is not that of the transient.
@@ -103,8 +103,8 @@ fn other_name(transient: &Transient, rig: &Rig) -> Option<String> {
     })
 }
 
-/// The moves of a transient and, for a run folder, those of the members of the ensemble of the run; with a remark on what the
-/// figures rest on.
+/// The moves of a transient and, for a run folder, those of the run's perturbed runs; with a remark on the basis of
+/// the figures.
 fn with_ensemble(arguments: &Eval, own: Vec<Move>) -> Result<(Vec<Vec<Move>>, Option<String>)> {
     if !arguments.file.is_dir() {
         return match arguments.ensemble {

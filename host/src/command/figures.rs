@@ -1,4 +1,4 @@
-//! What commands have found as JSON, by the type of it (docs/json.md has every field). An unknown number is null.
+//! The results of commands as JSON, by their types (docs/json.md has every field). An unknown number is null.
 
 use pneudrive_evaluate::deviation::Deviation;
 use pneudrive_evaluate::replay::{Difference, Replay, What};
@@ -91,7 +91,7 @@ pub(super) fn study(study: &Study, studied: &Studied) -> Value {
     json!({ "name": study.name, "section": study.section, "about": study.about, "findings": findings })
 }
 
-/// What the thesis prints beside ours.
+/// The printed values of the thesis beside ours.
 pub(super) fn thesis(shown: &[Shown]) -> Value {
     let entries = shown.iter().flat_map(|one| {
         one.rows().map(|(entry, reading)| {

@@ -72,7 +72,7 @@ impl Interrupts {
     /// The result of following a drive; if the program stopped the drive because of its output, the error says so.
     ///
     /// # Errors
-    /// That of `followed`, or that the output can no longer be written.
+    /// The error of `followed`, or that the output can no longer be written.
     pub fn explain(&self, followed: Result<Mode>) -> Result<()> {
         let ended = match followed {
             // The run ended before it could be stopped.
@@ -92,7 +92,7 @@ impl Interrupts {
     }
 }
 
-/// Has SIGTERM and, unless it is ignored as under nohup, SIGHUP do what Ctrl-C does.
+/// Makes SIGTERM and, unless it is ignored as under nohup, SIGHUP act like Ctrl-C.
 #[cfg(unix)]
 fn watch_signals() -> std::io::Result<()> {
     use signal_hook::consts::{SIGHUP, SIGTERM};
@@ -105,7 +105,7 @@ fn watch_signals() -> std::io::Result<()> {
     Ok(())
 }
 
-/// Whether who started the program has it ignore a signal. Linux tells; elsewhere none counts as ignored.
+/// Whether the program was started with a signal ignored. Linux tells; elsewhere none counts as ignored.
 #[cfg(unix)]
 fn is_ignored(signal: i32) -> bool {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();

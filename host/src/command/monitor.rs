@@ -116,7 +116,7 @@ fn mode(status: &Status) -> String {
     }
 }
 
-/// A status in integers, and in units where the rig tells its scales.
+/// A status in integers, and in units if the rig states its scales.
 fn figures(units: &Units, s: &Status, time: Duration) -> Value {
     let mut figures = status_figures(units, s);
     figures["time_s"] = json!(time.as_secs_f64());

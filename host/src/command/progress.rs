@@ -10,7 +10,7 @@ use crate::output::takes_escapes;
 pub(super) struct Progress {
     bar: ProgressBar,
     what: String,
-    /// What is counted.
+    /// The counted things.
     of: &'static str,
     printed: u64,
 }
@@ -35,7 +35,7 @@ impl Progress {
         Progress { bar, what: what.to_owned(), of, printed: 0 }
     }
 
-    /// Counts samples of which the total is not known.
+    /// Counts samples whose total is not known.
     pub fn endless(what: &str, advice: &str) -> Progress {
         let progress = Progress::new(what);
         let style = ProgressStyle::with_template(&format!(

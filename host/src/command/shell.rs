@@ -1,4 +1,4 @@
-//! `pneudrive completions` and `pneudrive man`: what the command line says of itself, for shells and for man.
+//! `pneudrive completions` and `pneudrive man`: the command line's description for shells and for man.
 
 use anyhow::{Context, Result};
 use clap::Command;
@@ -38,7 +38,7 @@ pub(super) fn man(arguments: &Man, whole: Command) -> Result<()> {
     Ok(())
 }
 
-/// The page of a command with its name, and those of its subcommands.
+/// The page of a command with its name, and the pages of its subcommands.
 fn pages(command: &Command) -> Result<Vec<(String, String)>> {
     let name = command.get_display_name().unwrap_or(command.get_name()).to_owned();
     let mut page = Vec::new();

@@ -88,7 +88,7 @@ fn rig_of(arguments: &Simulate) -> Result<Taken> {
     }
 }
 
-/// What happens to another rig's run, by `--overwrite`.
+/// The treatment of another rig's run, by `--overwrite`.
 pub(super) fn existing(overwrite: bool) -> Existing {
     if overwrite { Existing::Overwrite } else { Existing::Keep }
 }
@@ -111,7 +111,7 @@ fn page(rig: &Rig, judged: &Judged, notes: Vec<String>, table: Table) -> Page {
     report::page(&format!("{}, simulated", rig.name()), notes, &[transient], vec![table])
 }
 
-/// What is measured of a run and of each perturbed run.
+/// The measurements of a run and of each perturbed run.
 pub(super) fn figures(rig: &Rig, run: &Run) -> Vec<Move> {
     moves_of_run(rig, run, TOLERANCE_MM)
 }

@@ -5,16 +5,16 @@ use std::fmt::Write;
 use super::reading::ends;
 use pneudrive_report::{COLOURS, escaped};
 
-/// A graph of lines over one axis, with what the thesis prints shaded.
+/// A graph of lines over one axis, with the printed values of the thesis shaded.
 #[derive(Clone, Debug, Default)]
 pub struct Chart {
-    /// What it shows.
+    /// Its title.
     pub title: String,
     /// Name and unit of the horizontal axis.
     pub across: &'static str,
     /// Name and unit of the vertical axis.
     pub up: &'static str,
-    /// What is drawn.
+    /// The lines.
     pub lines: Vec<Line>,
     /// Printed values along the horizontal axis, from and to.
     pub printed_across: Vec<[f64; 2]>,
@@ -95,7 +95,7 @@ impl Chart {
     }
 }
 
-/// What the axes cover.
+/// The range of the axes.
 struct Frame {
     x: [f64; 2],
     y: [f64; 2],
@@ -152,7 +152,7 @@ impl Frame {
         text
     }
 
-    /// What the thesis prints, shaded.
+    /// The printed values of the thesis, shaded.
     fn printed(&self, chart: &Chart) -> String {
         let [left, top, right, bottom] = FIELD;
         let area = |x: f64, y: f64, width: f64, height: f64| {
@@ -192,7 +192,7 @@ impl Frame {
     }
 }
 
-/// A span that is none, or has no room at its ends, made wider by a part of itself.
+/// A span without room at its ends, or without length, widened by a part of itself.
 fn widened([low, high]: [f64; 2], part: f64) -> [f64; 2] {
     match high - low {
         span if span > 0.0 => [low - part * span, high + part * span],
@@ -201,7 +201,7 @@ fn widened([low, high]: [f64; 2], part: f64) -> [f64; 2] {
     }
 }
 
-/// About so many round values within a span, with the digits that tell them apart.
+/// About this many round values within a span, with enough digits to distinguish them.
 fn ticks([low, high]: [f64; 2], about: usize) -> Vec<(f64, String)> {
     let rough = (high - low) / about as f64;
     let power = 10_f64.powf(rough.log10().floor());

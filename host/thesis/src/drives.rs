@@ -20,7 +20,7 @@ pub(super) fn rig(name: &str, settings: &[&str]) -> Result<Rig> {
     rig_and(name, "", settings)
 }
 
-/// The same with more behind its file.
+/// The same with additional settings.
 pub(super) fn rig_and(name: &str, more: &str, settings: &[&str]) -> Result<Rig> {
     let text = builtin(name).with_context(|| format!("there is no built-in rig {name}"))?;
     let settings: Vec<String> = settings.iter().map(|setting| (*setting).to_owned()).collect();

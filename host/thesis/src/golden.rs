@@ -78,7 +78,7 @@ impl Figures {
     }
 }
 
-/// What has changed against an older file, a line each; of exhibits that were run alone. Empty if nothing has.
+/// The changes against an older file, a line each, for the exhibits that were run. Empty if nothing has changed.
 ///
 /// # Errors
 /// When the file is not one of [`to_toml`].

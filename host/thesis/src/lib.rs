@@ -1,8 +1,8 @@
 //! The thesis, reproduced: the numbers in the text of its chapters 7 and 8 with which the model can be compared.
 //!
-//! An [`Exhibit`] is one table, figure or section of the thesis: what it prints ([`Entry`], a line each), the experiment
-//! that repeats it, and the command that repeats the experiment. The experiment gives a [`Reading`] for each entry, with
-//! its basis; [`Agreement`] is always computed from the two. The application studies
+//! An [`Exhibit`] is one table, figure or section of the thesis: its printed values ([`Entry`], a line each), the
+//! experiment that repeats it, and the command that repeats the experiment. The experiment gives a [`Reading`] for
+//! each entry, with its basis. [`Agreement`] is always computed from the two. The application studies
 //! ([`crate::study`]) are exhibits, too: their statements are entries without a number.
 //!
 //! | module | holds |
@@ -11,12 +11,12 @@
 //! | [`measured_points`] | measured points beside such a curve |
 //! | [`study`] | the application studies: what the thesis says, and what the model shows |
 //! | `chapter_7`, `chapter_8` | the exhibits, and their experiments |
-//! | `reading` | what an experiment gives, and whether that agrees |
+//! | `reading` | the result of an experiment, and whether it agrees |
 //! | `number` | numbers as the thesis prints them |
 //! | `study_exhibit` | the exhibits that are application studies |
-//! | `runs`, `shown` | runs the exhibits on all processors; an exhibit with what was found |
+//! | `runs`, `shown` | runs the exhibits on all processors; an exhibit with its results |
 //! | `page`, `table`, `chart`, `bar` | the page, its tables and graphs, and the bars that hold printed and found beside each other |
-//! | `golden` | the readings as TOML, and what has changed against an older file |
+//! | `golden` | the readings as TOML, and the changes against an older file |
 //!
 //! To add a number: a line in the entries of its exhibit, and a reading of the same key in the experiment.
 
@@ -55,23 +55,23 @@ pub struct Exhibit {
     pub section: &'static str,
     /// Its figure or table, such as `Fig. 7.6`.
     pub place: &'static str,
-    /// What it is about.
+    /// Its topic.
     pub about: &'static str,
-    /// What of it the scan has lost; "" if nothing.
+    /// The part of it that the scan has lost; "" if nothing.
     pub lost: &'static str,
     /// Commands that repeat it, a line each.
     pub commands: &'static [&'static str],
-    /// What it prints.
+    /// Its printed values.
     pub entries: &'static [Entry],
-    /// Why what differs does so most likely, as tried out; "" if nothing does.
+    /// The most likely reason for differences, as tried out; "" if nothing differs.
     pub why: &'static str,
-    /// What repeats it.
+    /// The command that repeats it.
     pub experiment: Experiment,
-    /// What that takes on one core, s, roughly.
+    /// Its time on one core, s, roughly.
     pub takes_s: f64,
 }
 
-/// What repeats an exhibit.
+/// The experiment of an exhibit.
 #[derive(Clone, Copy, Debug)]
 pub enum Experiment {
     /// An experiment of its own.
@@ -85,15 +85,15 @@ pub enum Experiment {
 pub struct Entry {
     /// Its name within the exhibit, the same as that of its reading.
     pub key: &'static str,
-    /// What it is.
+    /// Its meaning.
     pub what: &'static str,
-    /// What is printed.
+    /// The printed value.
     pub printed: Printed,
     /// Whether it repeats a number under another reading of the text, and is not counted.
     pub alternative: bool,
 }
 
-/// What is printed of an entry.
+/// The printed form of an entry.
 #[derive(Clone, Copy, Debug)]
 pub enum Printed {
     /// A number.
@@ -102,7 +102,7 @@ pub enum Printed {
         text: &'static str,
         /// Its unit, or "".
         unit: &'static str,
-        /// What differs from it by no more agrees.
+        /// A difference up to this agrees.
         within: f64,
         /// Where that tolerance comes from.
         source: &'static str,
@@ -111,12 +111,12 @@ pub enum Printed {
     Sentence(&'static str),
 }
 
-/// What an experiment gives.
+/// The result of an experiment.
 #[derive(Clone, Debug, Default)]
 pub struct Measured {
     /// A reading for each entry.
     pub readings: Vec<Reading>,
-    /// What it looks like.
+    /// Its graphs.
     pub charts: Vec<Chart>,
 }
 

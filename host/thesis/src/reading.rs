@@ -11,18 +11,18 @@ use super::number::value_of;
 use super::{Entry, Printed};
 use crate::study::{self, Verdict};
 
-/// What an experiment gives for the entry of the same key.
+/// The result of an experiment for the entry of the same key.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reading {
     /// The entry's.
     pub key: String,
-    /// What was found.
+    /// The result.
     pub found: Found,
-    /// What that rests on: how it was read, over how many starts or draws.
+    /// Its basis: how it was read, over how many starts or draws.
     pub rests_on: String,
 }
 
-/// What was found.
+/// A result.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Found {
     /// A figure with its range.
@@ -31,37 +31,37 @@ pub enum Found {
         value: f64,
         /// Smallest and largest.
         range: [f64; 2],
-        /// Digits behind the point that are known.
+        /// Known digits after the point.
         decimals: usize,
     },
-    /// The same, where what the thesis compared with is lost: it is shown for its size.
+    /// The same, if the thesis compared with data that are lost: it is shown for its size.
     Beside {
         /// Of the rig as it is.
         value: f64,
         /// Smallest and largest.
         range: [f64; 2],
-        /// Digits behind the point that are known.
+        /// Known digits after the point.
         decimals: usize,
     },
     /// The rig file has the number from the thesis, and the model gives it back.
     Given {
-        /// What the model gives.
+        /// The model's value.
         value: f64,
-        /// Digits behind the point.
+        /// Digits after the point.
         decimals: usize,
     },
-    /// What the runs show of a sentence.
+    /// The finding of the runs on a sentence.
     Shows {
         /// In words, with figures.
         text: String,
-        /// Whether that is what the sentence says.
+        /// Whether it agrees with the sentence.
         agreement: Agreement,
     },
     /// There is nothing to hold against it, and why.
     Nothing(&'static str),
 }
 
-/// Whether what was found is what the thesis prints.
+/// Whether the result agrees with the printed value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Agreement {
     /// It is.
@@ -117,7 +117,7 @@ impl Reading {
         Reading { key: key.to_owned(), found, rests_on: rests_on.into() }
     }
 
-    /// A figure that was read to within so much.
+    /// A figure with this uncertainty.
     pub(super) fn read(
         key: &str,
         value: f64,
@@ -138,7 +138,7 @@ impl Reading {
         Reading { key: key.to_owned(), found, rests_on: rests_on.into() }
     }
 
-    /// What the runs show of a sentence.
+    /// The finding of the runs on a sentence.
     pub(super) fn shows(key: &str, holds: bool, text: String, rests_on: impl Into<String>) -> Reading {
         let found = Found::Shows { text, agreement: Agreement::of(holds) };
         Reading { key: key.to_owned(), found, rests_on: rests_on.into() }
@@ -149,7 +149,7 @@ impl Reading {
         Reading { key: key.to_owned(), found: Found::Nothing(why), rests_on: String::new() }
     }
 
-    /// What a study found of a statement.
+    /// The finding of a study on a statement.
     pub(super) fn of_study(key: String, finding: &study::Finding, starts: usize) -> Reading {
         let agreement = match finding.verdict {
             Verdict::Agrees => Agreement::Agrees,
@@ -165,7 +165,7 @@ impl Reading {
         Reading { key, found: Found::Shows { text: text.to_owned(), agreement }, rests_on }
     }
 
-    /// Whether it is what the entry prints.
+    /// Whether it equals the printed value of the entry.
     #[must_use]
     pub fn agreement(&self, entry: &Entry) -> Agreement {
         match (&self.found, entry.printed) {
@@ -180,7 +180,7 @@ impl Reading {
 }
 
 fn of_range([low, high]: [f64; 2], printed: f64, within: f64) -> Agreement {
-    // The tolerance is a decimal fraction: what lies on its edge is within it.
+    // The tolerance is a decimal fraction: a value on its edge is within it.
     let [least, most] = [printed - within * (1.0 + 1e-9), printed + within * (1.0 + 1e-9)];
     match () {
         () if low >= least && high <= most => Agreement::Agrees,
@@ -217,7 +217,7 @@ impl Found {
     }
 }
 
-/// So many digits behind the point; what rounds to zero has no sign.
+/// This many digits after the point; a value that rounds to zero has no sign.
 pub(super) fn rounded(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
     if text.trim_start_matches('-').chars().all(|c| c == '0' || c == '.') {

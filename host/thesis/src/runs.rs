@@ -10,7 +10,7 @@ use super::{Entry, Exhibit, Experiment, Measured, Printed, Shown};
 use crate::study::{self, Study};
 use pneudrive_evaluate::parallel;
 
-/// What exhibits take on all processors, roughly.
+/// The time of exhibits on all processors, roughly.
 #[must_use]
 pub fn lasts(exhibits: &[&Exhibit], starts: usize) -> Duration {
     let of_one = |exhibit: &&Exhibit| match exhibit.experiment {

@@ -8,18 +8,18 @@ use crate::study::Statement;
 /// An exhibit, the readings of its entries, and its graphs.
 #[derive(Clone, Debug)]
 pub struct Shown {
-    /// What the thesis prints.
+    /// The printed values of the thesis.
     pub exhibit: &'static Exhibit,
-    /// The readings of its entries, and behind them those of its study.
+    /// The readings of its entries, followed by those of its study.
     pub readings: Vec<Reading>,
     /// The statements of its study, as entries.
     pub statements: &'static [Statement],
-    /// What it looks like.
+    /// Its graphs.
     pub charts: Vec<Chart>,
 }
 
 impl Shown {
-    /// Each entry with its reading: what it is, what is printed, what was found.
+    /// Each entry with its reading: meaning, printed value, result.
     pub fn rows(&self) -> impl Iterator<Item = (Entry, &Reading)> {
         let of_study = self.statements.iter().map(|statement| Entry::sentence("", statement.thesis));
         let own = self.exhibit.entries.iter().map(|entry| Entry { ..*entry });

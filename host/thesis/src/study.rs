@@ -1,10 +1,10 @@
 //! The application studies of the thesis (chapter 8) and its published comparisons (7.3), run on the model.
 //!
-//! A [`Study`] names rigs with settings, what the thesis says of them, and for each such statement a predicate over
-//! the runs. What the model shows and whether it agrees is always computed from the runs: each drive is run from many
-//! starts, and a verdict holds if it significantly holds in most of them. Each drive with a change is compared with one
-//! without it from the same start: what both show is not due to the change. The rigs of the thesis are not available: a
-//! statement that compares with one is undecided.
+//! A [`Study`] names rigs with settings, statements of the thesis about them, and for each statement a predicate over
+//! the runs. The findings and the verdicts are always computed from the runs. Each drive runs from many starts, and a
+//! verdict holds if it significantly holds in most of them. Each drive with a change is compared with one without it
+//! from the same start: an effect that both show is not due to the change. The rigs of the thesis are not available,
+//! so a statement that compares with one is undecided.
 
 mod catalogue;
 mod finding;
@@ -25,22 +25,22 @@ pub use steadiness::{Steadiness, Swing};
 /// A study.
 #[derive(Debug)]
 pub struct Study {
-    /// What a user types.
+    /// Its name for the user.
     pub name: &'static str,
     /// Its section in the thesis.
     pub section: &'static str,
-    /// What it asks.
+    /// Its question.
     pub about: &'static str,
     /// The drives that are run.
     pub variants: &'static [Variant],
-    /// What the thesis found.
+    /// The findings of the thesis.
     pub statements: &'static [Statement],
 }
 
 /// A drive of a study: a built-in rig with settings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Variant {
-    /// What it is called in the study.
+    /// Its name in the study.
     pub name: &'static str,
     /// The built-in rig.
     pub rig: &'static str,
@@ -51,7 +51,7 @@ pub struct Variant {
 /// A statement of the thesis, and how it is tested on the runs.
 #[derive(Debug)]
 pub struct Statement {
-    /// What the thesis says.
+    /// The statement of the thesis.
     pub thesis: &'static str,
     /// Asks the runs of one start, which come in the order of the variants.
     pub judge: fn(&[Outcome]) -> Finding,

@@ -6,14 +6,14 @@ use super::reading::rounded;
 use super::{Agreement, Entry, Found, Printed, Reading, Shown};
 use pneudrive_report::escaped;
 
-/// A row of a table: its cells, and what it rests on, which stands once for all rows that rest on the same.
+/// A row of a table: its cells, and its basis, which appears once for all rows with the same basis.
 struct Row {
     cells: String,
     rests_on: String,
     alternative: bool,
 }
 
-/// Both tables; none of what the exhibit has not.
+/// Both tables, except a table that the exhibit does not have.
 pub(super) fn table(one: &Shown) -> String {
     let (mut numbers, mut sentences) = (Vec::new(), Vec::new());
     for (entry, reading) in one.rows() {
@@ -50,7 +50,7 @@ fn filled(heads: &str, rows: &[Row]) -> String {
     text + "</table>\n"
 }
 
-/// What it is, printed, the bar, ours, the gap, the verdict.
+/// Meaning, printed value, bar, our value, gap, verdict.
 fn number(entry: &Entry, reading: &Reading) -> Row {
     let Printed::Number { text, unit, within, source } = entry.printed else {
         unreachable!("it is a number")
@@ -86,7 +86,7 @@ fn gap(printed: f64, found: &Found) -> String {
     }
 }
 
-/// What the thesis says, what is shown, the verdict. Another reading of a sentence is named by what it changes.
+/// Statement, finding, verdict. Another reading of a sentence is named by its change.
 fn sentence(says: &str, entry: &Entry, reading: &Reading) -> Row {
     let says = if entry.what.is_empty() { says } else { entry.what };
     let cells = format!(

@@ -47,7 +47,7 @@ pub(super) fn execute(client: &mut Client, arguments: &BringUp) -> Result<()> {
     }
 }
 
-/// Whoever called the program.
+/// The user who called the program, as the operator.
 struct Person {
     interrupts: Interrupts,
     yes: bool,

@@ -82,7 +82,7 @@ fn print_one(name: &str, parameters: &Parameters) -> Result<()> {
     Ok(())
 }
 
-/// A parameter with its value as a rig file has it: a number, a word, or a list of numbers.
+/// A parameter with its value as in a rig file: a number, a word, or a list of numbers.
 fn parameter_figures(written: &Written, entry: Option<u16>, value: &str) -> Value {
     let one = |text: &str| text.parse::<f64>().map_or_else(|_| json!(text), |number| json!(number));
     let value = match value.trim_start_matches('[').trim_end_matches(']') {

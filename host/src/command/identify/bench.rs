@@ -46,7 +46,7 @@ pub(super) fn execute(choice: &RigChoice, port: &str, folder: &Path) -> Result<R
     .map_err(of_trip)
 }
 
-/// What becomes of a load that hangs while a plan runs; None of an axis that is level as far as a file can say.
+/// The warning about a hanging load during a plan; None if the axis is level as far as a file can say.
 fn of_hanging_load(rig: &Rig) -> Option<String> {
     let incline = rig.get(&keys::load::INCLINE_DEG);
     (incline.abs() > LEVEL_DEG).then(|| {
@@ -56,7 +56,7 @@ fn of_hanging_load(rig: &Rig) -> Option<String> {
     })
 }
 
-/// A plan does not arm a drive that has tripped: whoever stands at it has to look at it first.
+/// A plan does not arm a drive that has tripped: the person at the drive has to look at it first.
 fn of_trip(error: Error) -> Error {
     if Exit::after(&error) != Exit::Tripped {
         return error;

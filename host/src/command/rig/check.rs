@@ -52,7 +52,7 @@ fn try_test(file: &str, rig: &Rig) -> Result<()> {
     }
 }
 
-/// What ends the test, and the values with which it would run.
+/// The reason why the test ends, and the values with which it would run.
 fn in_words(rig: &Rig, Obstacle { cause, remedies }: &Obstacle) -> String {
     let line = |remedy: &Remedy| {
         let Remedy { key, value, instead } = remedy;

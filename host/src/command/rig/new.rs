@@ -62,7 +62,7 @@ pub(super) fn execute(arguments: &NewRig) -> Result<()> {
     }
 }
 
-/// What is wrong with each answer, and a command with others that works.
+/// The problem of each answer, and a command with other answers that works.
 fn refused(arguments: &NewRig, answers: &Answers, wrong: &[Refusal]) -> anyhow::Error {
     let mut lines: Vec<String> = wrong.iter().map(ToString::to_string).collect();
     lines.extend(

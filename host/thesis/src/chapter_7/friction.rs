@@ -1,5 +1,5 @@
-//! The friction test (7.1.3.1), done on the model as the thesis did it on the rig: the valve a quarter open in open loop, the
-//! supply raised slowly from next to nothing until the piston moves and goes on moving.
+//! The friction test (7.1.3.1) on the model, as the thesis did it on the rig: the valve is a quarter open in open
+//! loop, and the supply rises slowly from next to nothing until the piston moves and keeps moving.
 //!
 //! ```text
 //! F_c = P_1 A_1 - P_2 A_2 - P_e A_r      (6.25)
@@ -98,7 +98,7 @@ const FROM_PA: f64 = 102e3;
 const STEP_PA: f64 = 500.0;
 const STEPS: usize = 200;
 
-/// What a test reads, N.
+/// The readings of a test, N.
 struct Friction {
     still: f64,
     moving: f64,

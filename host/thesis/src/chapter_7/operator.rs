@@ -1,7 +1,8 @@
-//! The operator of the valve on the bench (7.1.2.1, 7.1.2.2): its hysteresis, and what dither leaves of it.
+//! The operator of the valve on the bench (7.1.2.1, 7.1.2.2): its hysteresis, and the part that dither leaves.
 //!
-//! Three values are open in the text: the Coulomb friction of the spool, K_d of (6.33), and what 4 V from peak to peak are
-//! at the spool. Each reading of the text is compared with the printed values; that of `servo-b-thesis` counts.
+//! Three values are open in the text: the Coulomb friction of the spool, K_d of (6.33), and the equivalent of 4 V
+//! from peak to peak at the spool. Each reading of the text is compared with the printed values; the reading of
+//! `servo-b-thesis` counts.
 
 use crate::characteristics::dither::FREQUENCIES_HZ;
 use crate::characteristics::hysteresis::{Loop, mean, sweep};
@@ -99,7 +100,7 @@ pub(super) const EXHIBITS: [Exhibit; 2] = [
 
 const MINIMUM: &str = "The hysteresis is minimum around dither frequencies of 40 - 50 Hz.";
 
-/// A reading of the text: what the entry is called, the rig, and its settings.
+/// A reading of the text: the name of the entry, the rig, and its settings.
 struct Candidate {
     key: &'static str,
     rig: &'static str,
@@ -122,7 +123,7 @@ const LOOPS: [Candidate; 4] = [
 /// The loop is read this far to either side of mid-travel, m: beyond it the ends of the travel count.
 const REACH_M: f64 = 0.6e-3;
 
-/// To what a loop is read, mm of command: a count.
+/// Resolution of a loop, mm of command: a count.
 const COUNT_MM: f64 = 1.0 / 2048.0;
 
 fn swept(rig: &Rig) -> Result<Loop, Unfit> {
@@ -205,7 +206,7 @@ const DITHERS: [Candidate; 8] = [
     thesis("3.35 N, 0.4 mm", &[MORE, "operator.dither_mm=0.4"]),
 ];
 
-/// What the dither leaves at each frequency, mm of command, and to within how much that is read.
+/// The hysteresis left by the dither at each frequency, mm of command, and its uncertainty.
 type Left = (Vec<f64>, f64);
 
 fn left(rig: &Rig) -> Result<Left, Unfit> {

@@ -3,7 +3,7 @@
 use crate::study_exhibit::of_study;
 use crate::{Entry, Exhibit};
 
-/// What a study has no number of.
+/// Results for which a study has no number.
 const NO_NUMBERS: &[Entry] = &[];
 
 pub(super) const EXHIBITS: [Exhibit; 3] = [

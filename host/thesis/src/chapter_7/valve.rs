@@ -70,7 +70,7 @@ pub(super) const EXHIBITS: [Exhibit; 3] = [
     },
 ];
 
-/// What the micrometer of the thesis shows at curve 1, mm.
+/// The micrometer reading of the thesis at curve 1, mm.
 const MICROMETER_MM: f64 = 9.572;
 
 /// Resolution of the gauges, Pa.

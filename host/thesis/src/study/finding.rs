@@ -1,4 +1,4 @@
-//! What the model shows of a statement of the thesis, at one start and over all of them.
+//! The model's answer to a statement of the thesis, at one start and over all of them.
 //!
 //! A start agrees, differs, or does not decide it. Of n starts the share that agrees is known within its 95 % interval
 //! (Wilson), and so is the share that differs:
@@ -15,29 +15,29 @@
 use pneudrive_evaluate::range;
 use pneudrive_optimise::tuning::Proportion;
 
-/// What the model shows of a statement.
+/// The model's answer to a statement.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Finding {
     /// In figures of the runs.
     pub shows: String,
-    /// Whether that is what the thesis says.
+    /// Whether it agrees with the thesis.
     pub verdict: Verdict,
 }
 
-/// Whether the model shows what the thesis says.
+/// Whether the model agrees with the thesis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
     /// It does.
     Agrees,
     /// It does not.
     Differs,
-    /// What to compare with is not to be had, or the runs do not show it.
+    /// There is nothing to compare with, or the runs do not show it.
     Open,
     /// It does from some starts and not from others.
     Depends,
 }
 
-/// A verdict is that of more than this part of all starts.
+/// A verdict needs more than this part of all starts.
 const MAJORITY: f64 = 2.0 / 3.0;
 
 impl Finding {
@@ -104,8 +104,8 @@ impl Verdict {
     }
 }
 
-/// The same sentence about several runs, with each figure as a range over them; None if the sentences are not the
-/// same but for their figures.
+/// The same sentence about several runs, with each figure as a range over them; None if the sentences differ in more
+/// than their figures.
 fn in_ranges(texts: &[&str]) -> Option<String> {
     let pieces: Vec<Vec<&str>> = texts.iter().map(|text| pieces(text)).collect();
     let one = |place: usize| {
@@ -121,7 +121,7 @@ fn in_ranges(texts: &[&str]) -> Option<String> {
     if equally_long { (0..pieces[0].len()).map(one).collect() } else { None }
 }
 
-/// A text cut into figures and what stands between them.
+/// A text cut into figures and the parts between them.
 fn pieces(text: &str) -> Vec<&str> {
     let of_figure = |c: char| c.is_ascii_digit() || c == '.' || c == '-';
     let mut pieces = Vec::new();
@@ -174,7 +174,7 @@ mod tests {
         }
     }
 
-    /// Drawn starts of drives whose true share is known: what is said of most starts is rarely wrong.
+    /// Drawn starts of drives whose true share is known: the statement about most starts is rarely wrong.
     #[test]
     fn a_statement_that_holds_from_two_thirds_of_drawn_starts_is_said_to_agree_once_in_forty_at_most() {
         let mut random = ChaCha8Rng::seed_from_u64(1);

@@ -10,9 +10,9 @@ use pneudrive_evaluate::transient::{COMMAND, POSITION, SETPOINT, Transient};
 /// A run and its figures.
 #[derive(Clone, Debug)]
 pub struct Outcome {
-    /// What the drive is called in its study.
+    /// The drive's name in its study.
     pub name: &'static str,
-    /// What it did.
+    /// Its run.
     pub transient: Transient,
     /// Its moves, measured.
     pub moves: Vec<Move>,

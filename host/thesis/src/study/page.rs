@@ -25,7 +25,7 @@ pub fn page(study: &Study, studied: &Studied) -> Page {
     }
 }
 
-/// Transients on the same graphs; more than can be told apart go by pairs, as studies have them.
+/// Transients on the same graphs; if they are too many to be distinguished, in pairs, as studies have them.
 fn graphs(transients: &[Transient]) -> Vec<Figure> {
     let together = if transients.len() > 3 { 2 } else { 3 };
     transients.chunks(together).map(|some| Figure::over_time(report::panels(some))).collect()
@@ -61,7 +61,7 @@ pub fn summary(findings: &[Finding]) -> String {
     )
 }
 
-/// What the thesis says, and what the model shows.
+/// The statements of the thesis, and the model's answers.
 #[must_use]
 pub fn statements(study: &Study, findings: &[Finding]) -> Table {
     let rows = study.statements.iter().zip(findings);

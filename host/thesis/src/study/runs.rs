@@ -12,13 +12,13 @@ use pneudrive_evaluate::parallel;
 /// A study that has been run.
 #[derive(Clone, Debug)]
 pub struct Studied {
-    /// The outcome of each drive at the first start, that of the unchanged rig, in the order of the variants.
+    /// The outcome of each drive at the first start, the one of the unchanged rig, in the order of the variants.
     pub own: Vec<Outcome>,
     /// The moves of each drive at each start.
     pub moves: Vec<Vec<Vec<Move>>>,
     /// How far each drive swings at the end of its moves at each start, mm; None where that is not to be seen.
     pub swings_mm: Vec<Vec<Option<f64>>>,
-    /// What the model shows of each statement, over all starts.
+    /// The model's answer to each statement, over all starts.
     pub findings: Vec<Finding>,
 }
 
@@ -31,7 +31,8 @@ struct AtStart {
     findings: Vec<Finding>,
 }
 
-/// Runs studies, from so many starts each. `progress` is given what is done and what is to do, a study at a start each.
+/// Runs studies, from this many starts each. `progress` receives the work done and the whole work, in studies at a
+/// start each.
 ///
 /// # Errors
 /// When a drive cannot be integrated.

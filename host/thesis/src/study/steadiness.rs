@@ -1,17 +1,17 @@
-//! Whether a drive is steady or vibrates at the end of its moves, by what would be visible in a graph of the thesis.
+//! Whether a drive is steady or vibrates at the end of its moves, as a graph of the thesis would show it.
 //!
-//! The position is cut into three intervals of 0.4 s before the end of each move that lasts for 2 s at least. A drive
-//! vibrates if it swings by more than 1 mm in each of them, and is steady if it does so in none; a graph over the
-//! stroke of 300 mm shows no less. What is neither starts to vibrate or ceases to, or jumps now and then.
+//! The position is cut into three intervals of 0.4 s before the end of each move of at least 2 s. A drive vibrates if
+//! it swings by more than 1 mm in each of them, and is steady if it does so in none; a graph over the stroke of 300
+//! mm shows nothing smaller. Otherwise it starts or ceases to vibrate, or jumps now and then.
 //!
 //! The limit cycle of [`pneudrive_evaluate::evaluation`] asks for more, a constant swing: a drive that hunts irregularly has none.
 
-/// What a drive does at the end of its moves.
+/// The motion of a drive at the end of its moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Steadiness {
     /// It swings by less than a graph shows.
     Steady,
-    /// It goes on swinging.
+    /// It keeps swinging.
     Vibrates,
     /// Both, at different times.
     Neither,
@@ -58,7 +58,7 @@ impl Swing {
     }
 }
 
-/// What a position covers from a time to another, from peak to peak, mm.
+/// The range of a position from one time to another, from peak to peak, mm.
 pub(super) fn swing(time: &[f64], position: &[f64], [from, to]: [f64; 2]) -> f64 {
     let part = &position[time.partition_point(|t| *t < from)..time.partition_point(|t| *t < to)];
     let [low, high] = [f64::min as fn(f64, f64) -> f64, f64::max].map(|of| part.iter().copied().reduce(of));

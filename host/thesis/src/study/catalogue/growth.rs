@@ -1,4 +1,4 @@
-//! What counts as larger or smaller.
+//! When a figure counts as larger or smaller.
 
 /// Whether something grows with a change; None if it differs by less than that, or the runs do not show it.
 pub(super) fn grows(own: Option<f64>, changed: Option<f64>, least: f64) -> Option<bool> {

@@ -57,7 +57,7 @@ const MODEL: &str = "controller.model=\"continuous\"";
 /// sampled law, 539.4 to the m/s and 2.104 to the m/s^2: 1500/539.4 and 4000/2.104.
 const SI: [&str; 2] = ["controller.velocity_gain=3", "controller.acceleration_gain=1901"];
 
-/// Those of the second run, as a share of the first one's.
+/// The figures of the second run, as a share of the first one's.
 fn evaluations(runs: &[Outcome]) -> f64 {
     runs[1].evaluations as f64 / runs[0].evaluations as f64
 }

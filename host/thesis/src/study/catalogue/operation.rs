@@ -248,7 +248,8 @@ pub(super) const POSITIVE_GAIN: Study = Study {
     ],
 };
 
-/// A figure of each reading of the bug. The verdict is that of the first, which takes the thesis's sentence to the letter.
+/// A figure of each reading of the bug. The first reading gives the verdict, because it takes the thesis's sentence
+/// to the letter.
 fn of_each_bug(runs: &[Outcome], figure: impl Fn(&Outcome) -> String) -> String {
     let figures = runs[1..].iter().map(|bug| format!("{} {}", figure(bug), bug.name));
     figures.collect::<Vec<_>>().join(", ")

@@ -41,7 +41,7 @@ const RETRACTION_TIME: &str = "test.duration_s=12.0";
 const HUNTS_FROM_S: f64 = 6.9;
 const HUNTS_S: f64 = 5.0;
 
-/// The gains of the file are those of 1.6 kg. With these the retraction overshoots by 0.6 mm instead of 1.4 mm (the worst
+/// The gains of the file are for 1.6 kg. With these the retraction overshoots by 0.6 mm instead of 1.4 mm (the worst
 /// of six starts).
 const FOR_15_KG: &[&str] =
     &["controller.velocity_gain=3000", "controller.acceleration_gain=8000", RETRACTION_TIME];
