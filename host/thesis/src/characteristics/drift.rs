@@ -29,7 +29,7 @@ const LOOK_S: f64 = 0.2;
 const WAYS: [(&str, Ordering); 2] =
     [("after an extension", Ordering::Greater), ("after a retraction", Ordering::Less)];
 
-/// Each test runs from its own start and from four neighbouring ones, at this distance, of the stroke. Within its
+/// Each test runs from its own start and from four neighbouring ones, at these parts of the stroke from it. Within its
 /// friction, such a small change may make a drive stop elsewhere.
 const STARTS: [f64; 5] = [0.0, -1e-5, -5e-6, 5e-6, 1e-5];
 
@@ -100,7 +100,7 @@ fn after(rig: &Rig, rate: f64, hour: f64) -> Result<[ErrorAtRest; 2], Unfit> {
     Ok(at_rest)
 }
 
-/// The remaining error of the rig's test if it starts at this distance from its own start, of the stroke. At the end
+/// The remaining error of the rig's test if it starts this part of the stroke from its own start. At the end
 /// of the stroke it starts there.
 fn from(rig: &Rig, of_stroke: f64) -> Result<[ErrorAtRest; 2], Unfit> {
     let stroke = rig.get(&keys::actuator::STROKE_M);
