@@ -1,4 +1,4 @@
-//! axe-core, which finds what keeps people out of a page: from npm, into the target folder.
+//! axe-core, which finds barriers in a page: from npm, into the target folder.
 
 use std::fs;
 use std::path::PathBuf;

@@ -23,7 +23,7 @@ struct Variant {
 struct Board {
     image: &'static str,
     variants: &'static [Variant],
-    /// Where the flash begins, and what of it no program may have bytes in.
+    /// The beginning of the flash, and the part that no program may have bytes in.
     flash_start: u64,
     kept: Range<u32>,
     /// Most bytes of code and constants.
@@ -62,7 +62,7 @@ const STACK_MIN: u64 = 8 * 1024;
 /// Least bytes of the transient buffer.
 const RECORDER_MIN: u64 = 60 * 1024;
 
-/// Builds the images of the Nucleo board, prints what they take and judges them.
+/// Builds the images of the Nucleo board, prints their sizes and judges them.
 ///
 /// # Errors
 /// When one can't be built, does not fit, would overwrite what is kept, computes with floats, or its
@@ -160,7 +160,7 @@ fn interrupt_is_safe(image: &Image, name: &str, interrupt: &str) -> Result<()> {
 mod tests {
     use super::*;
 
-    /// What a file of cargo or rustup names, by the path of its keys.
+    /// The value in a file of cargo or rustup, by the path of its keys.
     fn named(file: &str, keys: &[&str]) -> String {
         let text =
             fs::read_to_string(cargo::root().join(file)).unwrap_or_else(|error| panic!("{file}: {error}"));

@@ -17,17 +17,17 @@ use crate::tally::Tally;
 /// The one registry that code comes from.
 const REGISTRY: &str = "registry+https://github.com/rust-lang/crates.io-index";
 
-/// The file that says what is allowed.
+/// The file with the allowed licences and sources.
 const FILE: &str = "deny.toml";
 
-/// What cargo-deny ends with when it knows of a weakness. Without that line it has failed before it could look.
+/// The last line of cargo-deny when it knows of a weakness. Without that line it has failed before it could look.
 const VERDICT: &str = "advisories FAILED";
 
 /// The folders of the workspaces whose programs and images are given away. That of the flashed
 /// image, whose emulator is under the GPL-2, runs tests alone.
 const SHIPPED: [&str; 4] = ["", "firmware", "firmware/pico2", "host/python"];
 
-/// A package as cargo tells of it.
+/// A package, as cargo reports it.
 #[derive(Clone, Debug, Deserialize)]
 struct Package {
     name: String,
@@ -106,7 +106,7 @@ fn objection(package: &Package, allowed: &[Licensee]) -> Option<String> {
     Some(format!("{name} {version} {what}"))
 }
 
-/// What is known of the code's weaknesses.
+/// The known weaknesses of the code.
 #[derive(Debug, PartialEq, Eq)]
 enum Advisories {
     None,
@@ -120,7 +120,7 @@ fn advisories(root: &Path) -> Result<Advisories> {
     Ok(read(output.status.success(), &String::from_utf8_lossy(&[output.stdout, output.stderr].concat())))
 }
 
-/// What a report of cargo-deny says.
+/// The verdict of a report of cargo-deny.
 fn read(is_content: bool, report: &str) -> Advisories {
     if is_content {
         Advisories::None

@@ -1,4 +1,4 @@
-//! What the documents say of files, links and programs is true.
+//! Checks the documents' statements about files, links and programs.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -18,7 +18,7 @@ impl Page {
         Page { path: path.to_owned(), text }
     }
 
-    /// What stands between backticks within a line.
+    /// The texts between backticks within a line.
     fn code(&self) -> impl Iterator<Item = &str> {
         self.text.lines().flat_map(|line| line.split('`').skip(1).step_by(2))
     }

@@ -9,7 +9,7 @@ use pneudrive_build::cargo::{built, in_inner, root};
 
 use crate::tools::{CLANG, CMAKE, Tool};
 
-/// What the emulator is built with, and what tells Rust of it.
+/// The tools that build the emulator, and that describe it to Rust.
 pub const TOOLS: [&Tool; 2] = [&CMAKE, &CLANG];
 
 /// The short body, which CI runs.
@@ -29,7 +29,7 @@ pub fn workspace() -> PathBuf {
     root().join("hil-tests/flashed-image")
 }
 
-/// A cargo call there. What it shares with the outer workspace is built once.
+/// A cargo call there. Crates shared with the outer workspace are built once.
 ///
 /// # Errors
 /// When CARGO_TARGET_DIR is relative and the current folder is gone.
@@ -53,7 +53,7 @@ pub fn changed_rounding() -> Result<Command> {
     cargo(&CHANGED_ROUNDING)
 }
 
-/// Every body, deadlines and hazards; `write` has the table of docs/hazards.md written anew.
+/// Every body, deadlines and hazards; `write` rewrites the table of docs/hazards.md.
 ///
 /// # Errors
 /// As [`cargo`].

@@ -26,14 +26,14 @@ pub fn prepare() -> Result<()> {
     ENVIRONMENT.prepare(&importers().join("requirements.txt"))
 }
 
-/// Whether the tests of the C functions can be watched: what valgrind knows of.
+/// Whether the tests of the C functions can be watched: the systems that valgrind supports.
 #[must_use]
 pub fn is_watched() -> bool {
     cfg!(all(target_os = "linux", target_arch = "x86_64"))
 }
 
-/// Runs the tests of the C functions under valgrind: an access outside of what they were given fails them, and so does
-/// memory that nobody can free any more.
+/// Runs the tests of the C functions under valgrind. An access outside their arguments fails them, and so does memory
+/// that nobody can free any more.
 ///
 /// # Errors
 /// When there is such an access or leak, or a test fails.
@@ -44,7 +44,7 @@ pub fn watch() -> Result<()> {
     run(tests.env("CARGO_TARGET_X86_64_UNKNOWN_LINUX_GNU_RUNNER", watched))
 }
 
-/// Has FMPy validate and simulate what the command writes.
+/// Has FMPy validate and simulate the command's FMUs.
 ///
 /// # Errors
 /// When a test fails.

@@ -1,4 +1,4 @@
-//! What an image of the controller must not contain, and the symbols that reveal it.
+//! The forbidden contents of an image of the controller, and the symbols that reveal them.
 
 use std::fmt;
 
@@ -19,7 +19,7 @@ impl Kind {
     /// All of them, in the order in which they are reported.
     pub const ALL: [Kind; 4] = [Kind::Panic, Kind::SoftFloat, Kind::FloatInstruction, Kind::Division];
 
-    /// What is looked for.
+    /// The symbols or instructions that are searched for.
     #[must_use]
     pub fn sought(self) -> &'static str {
         match self {
@@ -68,7 +68,7 @@ fn is_division(routine: &str) -> bool {
     types.len() < operation.len() && starts_with_any(types, &["si", "di", "ti"])
 }
 
-/// The run-time ABI's names (`__aeabi_dadd`, `__aeabi_ui2f`), and those of libgcc (`__adddf3`, `__fixsfsi`).
+/// The names of the run-time ABI (`__aeabi_dadd`, `__aeabi_ui2f`), and of libgcc (`__adddf3`, `__fixsfsi`).
 fn is_soft_float(routine: &str) -> bool {
     if let Some(operation) = routine.strip_prefix("aeabi_") {
         return starts_with_any(operation, &["d", "f", "cd", "cf", "h2"])

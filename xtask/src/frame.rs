@@ -2,12 +2,12 @@
 
 use crate::thumb::Instruction;
 
-/// What an instruction takes from the stack.
+/// The stack use of an instruction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Taken {
-    /// So many bytes; 0 of one that takes none, or gives some back.
+    /// This many bytes; 0 for an instruction that takes none, or gives some back.
     Bytes(u32),
-    /// What a register says.
+    /// The value of a register.
     Unknown,
 }
 

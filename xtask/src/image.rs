@@ -12,12 +12,12 @@ use object::{LittleEndian, Object, ObjectSection, ObjectSegment, ObjectSymbol, S
 use crate::forbidden::Kind;
 use crate::thumb::{self, Instruction, Mark};
 
-/// What is looked at in an image.
+/// The inspected parts of an image.
 #[derive(Clone, Debug)]
 pub struct Image {
-    /// Bytes of code and constants: what the flash must hold.
+    /// Bytes of code and constants: the contents of the flash.
     pub flash_bytes: u64,
-    /// Address after the last variable; 0 without any. What is left of the memory is the stack's.
+    /// Address after the last variable; 0 without any. The rest of the memory is the stack's.
     pub memory_end: u64,
     /// Bytes of the largest variable.
     pub largest_variable: u64,
@@ -38,7 +38,7 @@ struct Symbol {
 /// A forbidden item in the image.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Finding {
-    /// What it is.
+    /// Its name.
     pub kind: Kind,
     /// The symbol, or where the instruction stands.
     pub what: String,
@@ -57,7 +57,7 @@ impl Image {
     /// Reads the ELF file of a Thumb-2 image.
     ///
     /// # Errors
-    /// When it is none, or is stripped: without symbols nothing can be said of it.
+    /// When it is not an image, or is stripped: without symbols nothing can be said of it.
     pub fn read(file: &[u8]) -> Result<Image> {
         let elf = ElfFile::<FileHeader32<LittleEndian>>::parse(file).context("no 32-bit ELF file")?;
         let mut symbols = Vec::new();
@@ -121,8 +121,8 @@ impl Image {
         }
     }
 
-    /// Everything that a function reaches by direct calls, itself included, and where it calls what a
-    /// register says: nothing is known of what is behind those.
+    /// Everything that a function reaches by direct calls, itself included, and its calls by a register: nothing is
+    /// known beyond those.
     #[must_use]
     pub fn reached_from(&self, name: &str) -> (BTreeSet<String>, Vec<String>) {
         let (mut reached, mut indirect) = (BTreeSet::new(), Vec::new());
@@ -140,7 +140,7 @@ impl Image {
         (reached, indirect)
     }
 
-    /// The function that an instruction of another one calls or goes on in; none if it stays where it is.
+    /// The function that an instruction of another one calls or continues in; None if it stays where it is.
     pub(crate) fn callee(&self, caller: &str, at: &Instruction) -> Option<String> {
         let callee = self.function_at(at.call_target()?);
         (callee != caller || at.is_call()).then_some(callee)

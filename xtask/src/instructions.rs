@@ -13,13 +13,13 @@ use crate::tools::VALGRIND;
 /// The table.
 const TABLE: &str = "instructions";
 
-/// What the counts are for.
+/// The system and the processor of the counts.
 const COUNTED_ON: (&str, &str) = ("linux", "x86_64");
 
-/// Compares the table with what runs need now.
+/// Compares the table with the present needs of runs.
 ///
 /// # Errors
-/// When a run needs more, with what to do, or nothing can be counted.
+/// When a run needs more, with the remedy, or nothing can be counted.
 pub fn check() -> Result<()> {
     if (std::env::consts::OS, std::env::consts::ARCH) != COUNTED_ON {
         let (os, processor) = COUNTED_ON;
@@ -29,7 +29,7 @@ pub fn check() -> Result<()> {
     figures::hold(SPEED, TABLE, &measured()?, Off::Above)
 }
 
-/// Writes the table anew.
+/// Writes the table again.
 ///
 /// # Errors
 /// When nothing can be counted or written.
@@ -44,7 +44,7 @@ fn measured() -> Result<String> {
     figures::lines(SPEED, TABLE)?.lines().map(row).collect()
 }
 
-/// A line anew, of which the run's name and its samples are taken.
+/// A new line with the run's name and its samples from an old one.
 fn row(line: &str) -> Result<String> {
     let mut cells = line.split('|').map(str::trim).skip(1);
     let (name, samples) = (cells.next().unwrap_or_default(), cells.next().unwrap_or_default());

@@ -8,9 +8,9 @@
 //! | [`boards`] | builds the images for the Nucleo board and the Pico 2 and judges their size and their control |
 //! | [`deny`] | licences, sources and advisories of other people's code |
 //! | [`link`] | the link under faults: often, and in all its states |
-//! | [`targets`] | what must compile for other systems |
+//! | [`targets`] | builds for other systems |
 //! | [`web`] | the studio's page as a folder of files, with the designer as WebAssembly |
-//! | [`tools`] | makes sure that the emulator is there, and what counts instructions |
+//! | [`tools`] | ensures that the emulator and the instruction counter are there |
 //! | [`python`] | builds, installs and tests the Python package |
 //! | [`fmu`] | has another program load the FMUs |
 //! | [`venv`] | environments of Python for tests |
@@ -21,7 +21,7 @@
 //! | [`instructions`] | what the simulator needs for its runs, and the table that holds it |
 //! | [`processors`] | the simulator's results on emulated processors |
 //! | [`stack`] | the most stack that a function of an image takes |
-//! | [`frame`] | what an instruction takes from the stack |
+//! | [`frame`] | the stack use of an instruction |
 //! | [`thumb`] | the instructions of a section, as far as the verdict needs them |
 
 pub mod axe;

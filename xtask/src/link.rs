@@ -4,7 +4,7 @@ use pneudrive_build::cargo::{in_root, run};
 
 use crate::tally::Tally;
 
-/// The tests of the link, as often as CI has no time for; they print what came of it.
+/// The tests of the link, more often than CI has time for; they print their results.
 pub fn soak(tally: &mut Tally) {
     let tests = ["--test", "faulty_link", "--test", "kills", "--test", "stream", "--test", "two_hosts"];
     let packages = ["test", "--package", "pneudrive", "--package", "pneudrive-link"];
@@ -40,7 +40,7 @@ pub fn states(tally: &mut Tally) {
     }
 }
 
-/// Those within the bounds of CI, with what its tests have built already.
+/// The tests within the bounds of CI, with the builds of its tests.
 pub fn states_in_short(tally: &mut Tally) {
     for bounds in BOUNDS_OF_CI {
         all_states(tally, bounds, &[]);

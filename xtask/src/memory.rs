@@ -48,7 +48,7 @@ const IMAGES: [Kind; 3] = [
     },
 ];
 
-/// What an image takes, bytes.
+/// The memory use of an image, bytes.
 #[derive(Clone, Debug)]
 pub struct Memory {
     /// Code and constants.
@@ -57,7 +57,7 @@ pub struct Memory {
     pub variables: u64,
     /// The transient buffer, the largest of them.
     pub recorder: u64,
-    /// What is left to the stack.
+    /// The rest for the stack.
     pub left: u64,
     /// The most that the control interrupt takes of the stack.
     pub control: Stack,
@@ -103,7 +103,7 @@ fn read(path: &Path, kind: Kind) -> Result<Memory> {
     Memory::of(&Image::read(&file)?, kind).with_context(|| format!("{}", path.display()))
 }
 
-/// Builds the images and tells what they take, as a table of Markdown.
+/// Builds the images and reports their memory use, as a table of Markdown.
 ///
 /// # Errors
 /// When one can't be built or read, or has more on the stack than is left to it.
@@ -137,12 +137,12 @@ fn tell(name: &str, memory: &Memory) {
 /// Holds the document's table against the images.
 ///
 /// # Errors
-/// When a figure is off, with what to do.
+/// When a figure is off, with the remedy.
 pub fn check() -> Result<()> {
     figures::hold(figures::FIRMWARE, TABLE, &table()?, figures::Off::EitherWay)
 }
 
-/// Writes the document's table anew.
+/// Writes the document's table again.
 ///
 /// # Errors
 /// When an image can't be built or read.

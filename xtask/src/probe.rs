@@ -22,7 +22,7 @@ pub enum Variant {
     Guilty,
 }
 
-/// Builds the probe into a target folder and tells where the image is.
+/// Builds the probe into a target folder and returns the path of the image.
 ///
 /// # Errors
 /// When the target of the boards is missing, or the build fails.
@@ -44,7 +44,7 @@ pub fn read(path: &Path) -> Result<Image> {
     Ok(image)
 }
 
-/// Builds the honest probe, prints what it takes and what it was searched for.
+/// Builds the honest probe, prints its size and the list of the searched contents.
 ///
 /// # Errors
 /// When it has forbidden content.

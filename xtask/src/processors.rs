@@ -13,7 +13,7 @@ use crate::tools::QEMU_USER;
 /// Processors of QEMU: with SSE2 and SSE3 alone, without AVX, and with all that QEMU has.
 const PROCESSORS: [&str; 3] = ["kvm64", "Nehalem", "max"];
 
-/// What these are processors for.
+/// The system and the processor that the simulator is built for.
 const BUILT_FOR: (&str, &str) = ("linux", "x86_64");
 
 /// Runs every built-in rig here and on each of the processors, and compares all bits.

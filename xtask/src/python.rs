@@ -1,7 +1,7 @@
 //! The Python package: built as a wheel, installed into an empty environment, and tested there.
 //!
-//! It is a workspace of its own, as an extension module needs Python and cannot be linked into a test program. What the
-//! tests need is pinned in host/python/tests/requirements.txt and installed by pip.
+//! It is a workspace of its own, because an extension module needs Python and cannot be linked into a test program.
+//! The packages for the tests are pinned in host/python/tests/requirements.txt and installed by pip.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -31,7 +31,7 @@ pub fn cargo(arguments: &[&str]) -> Result<Command> {
     Ok(command)
 }
 
-/// Makes the environment, and installs what builds and tests the package.
+/// Makes the environment, and installs the packages that build and test the package.
 ///
 /// # Errors
 /// Without Python, or when a package cannot be installed.
@@ -39,8 +39,8 @@ pub fn prepare() -> Result<()> {
     ENVIRONMENT.prepare(&workspace().join("tests/requirements.txt"))
 }
 
-/// Builds the wheel, and installs it: without the optimisation of a release, of which the tests outside have most built
-/// already.
+/// Builds the wheel and installs it, without the optimisation of a release: the tests outside have already built most
+/// of it in this way.
 ///
 /// # Errors
 /// When it cannot be built, or there is not one wheel.
@@ -77,7 +77,7 @@ pub fn test() -> Result<()> {
     run(pytest.args(["-m", "pytest", "-q", "-ra"]).current_dir(tests).env("PNEUDRIVE_COMMAND", command))
 }
 
-/// Checks the annotations, and that the stubs tell what the compiled part has.
+/// Checks the annotations, and compares the stubs with the compiled part.
 ///
 /// # Errors
 /// When they do not.

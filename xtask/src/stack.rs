@@ -1,9 +1,9 @@
 //! The stack that a function of an image uses with everything that it calls.
 //!
-//! A function's frame is the sum of all that its instructions take from the stack, wherever they stand: no
-//! path through it takes more, as long as none of them is in a loop, and compilers do not put them there.
-//! The bound is the deepest path along direct calls. Calls by a register are listed, since their targets are not known. A
-//! panic is not followed: it ends the program.
+//! A function's frame is the sum of the stack use of all its instructions, wherever they are. No path through it
+//! takes more, as long as none of them is in a loop, and compilers do not put them there. The bound is the deepest
+//! path along direct calls. Calls by a register are listed, since their targets are not known. A panic is not
+//! followed: it ends the program.
 
 use std::collections::BTreeMap;
 
@@ -12,7 +12,7 @@ use anyhow::{Result, bail, ensure};
 use crate::frame::Taken;
 use crate::image::Image;
 
-/// Part of the name of what every panic goes through.
+/// Part of the name of the function that every panic goes through.
 const PANIC: &str = "panic_fmt";
 
 /// The most that a function takes.
@@ -22,7 +22,7 @@ pub struct Stack {
     pub bytes: u32,
     /// From the function to the last one of the deepest way.
     pub path: Vec<String>,
-    /// Where a register says what is called, on any way.
+    /// Calls by a register, on any path.
     pub indirect: Vec<String>,
 }
 
@@ -40,7 +40,7 @@ impl Stack {
     }
 }
 
-/// What is known of a function.
+/// The known facts of a function.
 struct Known {
     bytes: u32,
     deepest: Option<String>,

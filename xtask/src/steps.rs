@@ -1,4 +1,4 @@
-//! The commands. Each adds what it did to a [`Tally`].
+//! The commands. Each adds its results to a [`Tally`].
 
 use std::io::{BufRead, BufReader};
 use std::path::PathBuf;
@@ -41,8 +41,8 @@ fn lint_root(tally: &mut Tally) {
 }
 
 fn lint_images(tally: &mut Tally) {
-    // A test harness does not build without std.
-    // As the images are built, so that what builds with them is compiled once.
+    // A test harness does not build without std. The flags are those of the images, so that common crates are
+    // compiled once.
     let images = ["clippy", "--release", "--workspace", "--", "-D", "warnings"];
     tally.check("lint of firmware/", || {
         cargo::ensure_thumb_target()?;
@@ -140,7 +140,7 @@ pub fn flashed(tally: &mut Tally, write: bool) {
     tests_by(tally, "the flashed image", || flashed::all(write));
 }
 
-/// All tests on the PC, then what can be said of the boards without one. Groups whose tools are missing are left out.
+/// All tests on the PC, then the checks of the boards without one. Groups whose tools are missing are left out.
 pub fn test(tally: &mut Tally) {
     test_without_groups(tally);
     if CHROMIUM.is_there() {
@@ -278,14 +278,14 @@ pub fn probe(tally: &mut Tally) {
     tally.check("flash, memory and stack of the images", memory::check);
 }
 
-/// Writes the figures of the control interrupt and of the images anew.
+/// Rewrites the figures of the control interrupt and of the images.
 pub fn figures(tally: &mut Tally) {
     tally.check("emulator", || QEMU.ensure());
     tally.check("instructions of the control", || example("figures", &[]));
     tally.check("flash, memory and stack of the images", memory::write);
 }
 
-/// Writes the instructions of the simulator's runs anew.
+/// Rewrites the instructions of the simulator's runs.
 pub fn cost(tally: &mut Tally) {
     tally.check("work of the simulator", || {
         run(&mut in_root(&["run", "--release", "--package", "pneudrive-sim", "--example", "cost"]))
@@ -347,8 +347,8 @@ fn example(name: &str, arguments: &[&str]) -> Result<()> {
     run(&mut in_root(&[&run_it, arguments].concat()))
 }
 
-/// What CI runs. The images are built in a folder of their own, mostly by one core: the tests are compiled beside them, and
-/// run once they are done, as some measure times.
+/// The checks of CI. The images are built in a folder of their own, mostly by one core. The tests are compiled at the
+/// same time, and run once the images are done, because some tests measure times.
 pub fn ci(tally: &mut Tally) {
     fmt(tally, true);
     tally.check("target of the boards", cargo::ensure_thumb_target);

@@ -1,4 +1,4 @@
-//! What passed and what failed. A failure does not end the work: all of them are reported at the end.
+//! Passed and failed checks. A failure does not end the work: all of them are reported at the end.
 
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
@@ -11,9 +11,9 @@ pub struct Tally {
     passed: u32,
     failed: u32,
     failures: Vec<String>,
-    /// What took how long, in the order in which it was done.
+    /// The steps with their times, in order.
     took: Vec<(String, Duration)>,
-    /// What was left out, and what it takes to do it.
+    /// The omitted checks, and their requirements.
     left_out: Vec<String>,
 }
 
@@ -57,7 +57,7 @@ impl Tally {
         done
     }
 
-    /// Notes what was not done, to be told at the end: it is no failure.
+    /// Notes an omitted check, to be reported at the end: it is not a failure.
     pub fn leave_out(&mut self, what: String) {
         println!("NOT CHECKED: {what}");
         self.left_out.push(what);
@@ -69,13 +69,13 @@ impl Tally {
         self.failed += counts.failed;
     }
 
-    /// Notes a failure to be told at the end, and counts it `count` times (0: it is counted already).
+    /// Notes a failure to be reported at the end, and counts it `count` times (0: it is counted already).
     pub fn fail(&mut self, count: u32, what: String) {
         self.failed += count;
         self.failures.push(what);
     }
 
-    /// Adds what was done beside this.
+    /// Adds the results of other work.
     pub fn absorb(&mut self, beside: Tally) {
         self.passed += beside.passed;
         self.failed += beside.failed;
@@ -84,7 +84,7 @@ impl Tally {
         self.left_out.extend(beside.left_out);
     }
 
-    /// How many failed so far.
+    /// The number of failures so far.
     #[must_use]
     pub fn failed(&self) -> u32 {
         self.failed
@@ -96,7 +96,7 @@ impl Tally {
         format!("{} passed, {} failed", self.passed, self.failed)
     }
 
-    /// Tells how long everything took, what was left out, the failures, then the last line.
+    /// Reports the times, the omitted checks, the failures, then the last line.
     #[must_use]
     pub fn report(&self) -> ExitCode {
         println!();

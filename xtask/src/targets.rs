@@ -1,4 +1,5 @@
-//! Builds for other systems: the command for Windows, with all its features. That of the designer for a browser is [`web`](crate::web).
+//! Builds for other systems: the command for Windows, with all its features. [`web`](crate::web) builds the designer
+//! for a browser.
 
 use anyhow::Result;
 use pneudrive_build::cargo::{self, in_root, run};

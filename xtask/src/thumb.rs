@@ -1,10 +1,10 @@
 //! The Thumb-2 instructions of a section, as far as the verdict on an image needs them (Arm
 //! Architecture Reference Manual ARMv7-M, A5.1 and A5.3).
 //!
-//! Literal pools and jump tables lie between the instructions. Mapping symbols tell them apart
-//! (ELF for the Arm Architecture, 5.5.5): `$t` begins code, `$d` begins data.
+//! Literal pools and jump tables lie between the instructions. Mapping symbols distinguish them (ELF for the Arm
+//! Architecture, 5.5.5): `$t` begins code, `$d` begins data.
 
-/// What the bytes from an address on are.
+/// The kind of the bytes from an address on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Content {
     /// Instructions.
@@ -18,7 +18,7 @@ pub enum Content {
 pub struct Mark {
     /// Where it stands.
     pub address: u32,
-    /// What begins there.
+    /// The kind that begins there.
     pub content: Content,
 }
 
@@ -91,8 +91,8 @@ impl Instruction {
     }
 }
 
-/// The instructions of a section that starts at `address`. `marks` are in order of address; what
-/// lies before the first is taken for code, so that nothing is overlooked.
+/// The instructions of a section that starts at `address`. `marks` are in order of address. Bytes before the first
+/// mark count as code, so that nothing is overlooked.
 #[must_use]
 pub fn instructions(address: u32, bytes: &[u8], marks: &[Mark]) -> Vec<Instruction> {
     let halfword = |index: usize| {

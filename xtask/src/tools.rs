@@ -38,7 +38,7 @@ pub const CHROMIUM: Tool = Tool {
     how: "apt-get install chromium, brew install --cask chromium, ...",
 };
 
-/// What brings axe-core.
+/// The tool that brings axe-core.
 pub const NPM: Tool =
     Tool { program: "npm", package: "npm", how: "apt-get install npm, brew install node, ..." };
 
@@ -49,11 +49,11 @@ pub const PYTHON: Tool = Tool {
     how: "apt-get install python3 python3-venv, brew install python, ...",
 };
 
-/// What builds the emulator of the flashed image.
+/// The tool that builds the emulator of the flashed image.
 pub const CMAKE: Tool =
     Tool { program: "cmake", package: "cmake", how: "apt-get install cmake, brew install cmake, ..." };
 
-/// What reads the headers of that emulator.
+/// The tool that reads the headers of that emulator.
 pub const CLANG: Tool =
     Tool { program: "clang", package: "clang", how: "apt-get install clang, brew install llvm, ..." };
 
@@ -73,7 +73,7 @@ impl Tool {
     /// Makes sure that it is there; installs it where apt-get is and may.
     ///
     /// # Errors
-    /// When it's missing and can't be installed, with what to do.
+    /// When it is missing and cannot be installed, with the remedy.
     pub fn ensure(&self) -> Result<()> {
         let Tool { program, package, how } = self;
         if self.is_there() {

@@ -36,7 +36,7 @@ impl Environment {
         self.interpreter().is_ok_and(|python| python.exists())
     }
 
-    /// Makes the environment, and installs what is listed in a file.
+    /// Makes the environment, and installs the packages listed in a file.
     ///
     /// # Errors
     /// Without Python, or when a package cannot be installed.

@@ -7,10 +7,10 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, ensure};
 use pneudrive_build::cargo::{self, built, in_root, root, run};
 
-/// What the browser runs on.
+/// The compiler target of the module in the browser.
 pub const TARGET: &str = "wasm32-unknown-unknown";
 
-/// What the browser may do with the page: load its own files, and run its own module.
+/// The page's permissions in the browser: load its own files, and run its own module.
 const POLICY: &str = "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; \
 style-src 'self'; img-src 'self' data: blob:; connect-src 'self'; worker-src 'self'; base-uri 'none'; form-action 'none'\">\n";
 

@@ -22,7 +22,7 @@ pub enum ChipError<E> {
     Nonsense {
         /// The chip.
         chip: &'static str,
-        /// What came, as it stood on the line.
+        /// The received bytes, as on the line.
         answer: u32,
     },
 }

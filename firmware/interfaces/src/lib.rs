@@ -1,5 +1,5 @@
-//! What a servo-pneumatic drive is wired to, as interfaces for any board: encoder, valve, translator, pressure
-//! sensors. The drivers need nothing but the traits of `embedded-hal` 1.0.
+//! The wiring of a servo-pneumatic drive as interfaces for any board: encoder, valve, translator, pressure sensors.
+//! The drivers need only the traits of `embedded-hal` 1.0.
 //!
 //! | interface | drivers |
 //! |---|---|
@@ -30,18 +30,18 @@ pub trait EncoderCounter {
     /// Why there is no count.
     type Error;
 
-    /// Whether the count tells the position after a reset, too.
+    /// Whether the count gives the position after a reset, too.
     const IS_ABSOLUTE: bool = false;
 
     /// The position at this instant, counts. An incremental counter starts at 0 and wraps through 32 bits, as the
     /// differences of the controller do.
     ///
     /// # Errors
-    /// When the counter does not answer, or its answer is none that it can give.
+    /// When the counter does not answer, or its answer is impossible.
     fn count(&mut self) -> Result<i32, Self::Error>;
 }
 
-/// What was converted at a sample, 0 to 4095 each.
+/// The conversions of a sample, 0 to 4095 each.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Conversions {
     /// Pressure in chamber 1, on the blind side.
@@ -52,7 +52,7 @@ pub struct Conversions {
     pub spool: u16,
 }
 
-/// The pressure sensors, and that of the spool, behind a converter of 12 bits.
+/// The pressure sensors and the spool sensor, behind a converter of 12 bits.
 pub trait PressureInput {
     /// Why there is no conversion.
     type Error;
@@ -60,7 +60,7 @@ pub trait PressureInput {
     /// Converts pressure 1, pressure 2 and spool, in this order, one right after the other.
     ///
     /// # Errors
-    /// When the converter does not answer, or its answer is none that it can give.
+    /// When the converter does not answer, or its answer is impossible.
     fn convert(&mut self) -> Result<Conversions, Self::Error>;
 }
 

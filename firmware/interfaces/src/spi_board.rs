@@ -1,5 +1,5 @@
-//! A board of three chips on SPI and a few pins: LS7366R for the encoder, MCP3208 for the sensors, MCP4922 for the valve,
-//! two pins for the translator. What it needs of a microcontroller are SPI, pins, a timer and memory.
+//! A board of three chips on SPI and a few pins: LS7366R for the encoder, MCP3208 for the sensors, MCP4922 for the
+//! valve, two pins for the translator. From a microcontroller it needs SPI, pins, a timer and memory.
 
 use core::marker::PhantomData;
 
@@ -17,7 +17,7 @@ use crate::chip::mcp4922::Mcp4922;
 use crate::step_pins::StepPins;
 use crate::wired_board::{Parts, WiredBoard};
 
-/// What a microcontroller has for the chips: buses, pins, a timer and memory.
+/// The microcontroller's parts for the chips: buses, pins, a timer and memory.
 pub trait Lines {
     /// The bus of the LS7366R.
     type Encoder: SpiDevice;

@@ -1,6 +1,6 @@
 //! The application's [`Board`], put together from encoder, pressure sensors, valve, translator, clock and memory.
 //!
-//! What a part cannot tell must trip the drive, and not pass for a figure:
+//! A failed part must trip the drive, and must not give a figure:
 //!
 //! | failure | becomes | the supervisor trips with |
 //! |---|---|---|
@@ -18,7 +18,7 @@ use pneudrive_controller::{Command, Config, Sample};
 
 use crate::{Conversions, Direction, EncoderCounter, PressureInput, StepDirection, Terminals, ValveOutput};
 
-/// What stands for a conversion that did not come: below every range, so it trips as an open sensor does.
+/// The value of a failed conversion: below every range, so it trips as an open sensor does.
 pub const NO_CONVERSION: i16 = -1;
 
 /// The code of the converter while a stepper drives the valve: the middle of its range.

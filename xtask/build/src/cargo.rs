@@ -11,10 +11,10 @@ use anyhow::{Context, Result, bail, ensure};
 /// The target of the boards.
 pub const THUMB: &str = "thumbv7em-none-eabihf";
 
-/// That of the Pico 2, a Cortex-M33.
+/// The target of the Pico 2, a Cortex-M33.
 pub const THUMB_V8: &str = "thumbv8m.main-none-eabihf";
 
-/// What `cargo xtask`, itself run by cargo and rustup, must not hand down: rust-toolchain.toml and the
+/// Variables that `cargo xtask`, itself run by cargo and rustup, must not hand down: rust-toolchain.toml and the
 /// workspaces' own configurations say which toolchain builds for which target.
 const LEAKS: [&str; 2] = ["RUSTUP_TOOLCHAIN", "CARGO_BUILD_TARGET"];
 
@@ -43,8 +43,8 @@ pub fn built(path: &str) -> Result<PathBuf> {
     Ok(target.join(path))
 }
 
-/// Builds the command, and the library of FMUs with it, and tells where it is. With the features that the tests of the whole
-/// workspace give it, so that it is there already once they are built.
+/// Builds the command, and the library of FMUs with it, and returns its path. It uses the features that the tests of
+/// the whole workspace give it, so that it is there already once they are built.
 ///
 /// # Errors
 /// When it does not build.

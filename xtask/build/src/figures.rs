@@ -24,14 +24,14 @@ pub enum Off {
 pub struct Document {
     /// Where it is in the repository.
     path: &'static str,
-    /// What writes its tables anew.
+    /// The command that writes its tables.
     command: &'static str,
 }
 
-/// What the firmware's images need.
+/// The needs of the firmware's images.
 pub const FIRMWARE: Document = Document { path: "docs/firmware-figures.md", command: "cargo xtask figures" };
 
-/// What the simulator's runs cost.
+/// The cost of the simulator's runs.
 pub const SPEED: Document = Document { path: "docs/counts.md", command: "cargo xtask cost" };
 
 /// The document's text before the lines of a table, these lines, and the text behind them. A table stands between
@@ -59,7 +59,7 @@ pub fn lines(document: Document, name: &str) -> Result<String> {
     parts(&text, name).map(|(_, lines, _)| lines.to_owned())
 }
 
-/// Writes a table of a document anew.
+/// Writes a table of a document again.
 ///
 /// # Errors
 /// When there is no document, or no such table in it.
@@ -72,7 +72,7 @@ pub fn write(document: Document, name: &str, table: &str) -> Result<()> {
 /// Compares the figures of a table with those of a document.
 ///
 /// # Errors
-/// When one is off by more than 3 %, or the tables are not of one form; with what to do.
+/// When one is off by more than 3 %, or the tables differ in form; with the remedy.
 pub fn hold(document: Document, name: &str, table: &str, off: Off) -> Result<()> {
     let advice = format!("if that is meant, write the tables anew: {}", document.command);
     compare(&lines(document, name)?, table, off)

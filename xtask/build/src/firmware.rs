@@ -12,8 +12,7 @@ pub const EMULATED: &str = "qemu-mps2";
 /// The image for the Pico 2, whose processor is another one: a workspace of its own.
 pub const PICO2: &str = "pico2";
 
-/// Builds an image, with its release profile, and tells where it is. Its package is
-/// `pneudrive-IMAGE`.
+/// Builds an image, with its release profile, and returns its path. Its package is `pneudrive-IMAGE`.
 ///
 /// # Errors
 /// When the target of the board is missing, or the build fails.

@@ -8,7 +8,7 @@ use super::paths::{Use, shown};
 /// Which sibling uses which, each with one of the uses that make it so.
 type Arrows<'a> = BTreeMap<&'a str, BTreeMap<&'a str, &'a Use>>;
 
-/// The circles between siblings, below every parent: told with a use for each arrow.
+/// The circles between siblings, below every parent, with one use for each arrow.
 pub fn circles(modules: &Modules, uses: &BTreeSet<Use>) -> Vec<String> {
     modules.0.keys().filter_map(|parent| circle_below(parent, uses)).collect()
 }

@@ -10,12 +10,12 @@ use syn::{Attribute, Item, UseTree, Visibility};
 /// A module's names from the crate on: `["assembly", "lag"]`; empty for the crate itself.
 pub type Name = Vec<String>;
 
-/// What a module holds.
+/// The contents of a module.
 #[derive(Default)]
 pub struct Module {
     /// Its items, without those for tests.
     pub items: Vec<Item>,
-    /// What it re-exports: the name, and the path that it stands for.
+    /// Its re-exports: the name, and the path behind it.
     pub exports: BTreeMap<String, Vec<String>>,
     /// Names of its own functions.
     pub functions: Vec<String>,
@@ -103,7 +103,7 @@ fn is_for_tests(attribute: &Attribute) -> bool {
     }
 }
 
-/// Names that a re-export gives, and what they stand for.
+/// The names of a re-export, and the paths behind them.
 fn exports(tree: &UseTree, path: &mut Vec<String>, found: &mut BTreeMap<String, Vec<String>>) {
     match tree {
         UseTree::Path(step) => {

@@ -14,7 +14,7 @@ pub struct Use {
     pub from: Name,
     /// The module that is used.
     pub to: Name,
-    /// What of it; empty for the module itself.
+    /// The item in it; empty for the module itself.
     pub item: String,
 }
 
@@ -47,7 +47,7 @@ pub fn functions_of_parents(modules: &Modules, uses: &BTreeSet<Use>) -> Vec<Stri
     uses.iter().filter(of_parent).map(told).collect()
 }
 
-/// A module's name as it is told.
+/// A module's name for messages.
 pub fn shown(name: &[String]) -> String {
     if name.is_empty() { "the crate".to_owned() } else { name.join("::") }
 }
@@ -89,7 +89,7 @@ impl Named {
 /// Re-exports that stand for each other without end are no program.
 const MAX_EXPORTS: u32 = 8;
 
-/// The module that a path of a module leads to, and what of it; None where it leads out of the crate.
+/// The module that a path of a module leads to, and the item in it; None if it leads out of the crate.
 fn resolved(modules: &Modules, from: &Name, path: &[String], depth: u32) -> Option<(Name, String)> {
     let (mut at, rest) = begin(modules, from, path)?;
     for (i, step) in rest.iter().enumerate() {
@@ -109,7 +109,7 @@ fn resolved(modules: &Modules, from: &Name, path: &[String], depth: u32) -> Opti
     Some((at, String::new()))
 }
 
-/// Where a path begins, and what follows.
+/// The beginning of a path, and the rest.
 fn begin<'a>(modules: &Modules, from: &Name, path: &'a [String]) -> Option<(Name, &'a [String])> {
     let first = path.first()?;
     match first.as_str() {

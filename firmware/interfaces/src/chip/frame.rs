@@ -20,11 +20,11 @@ pub struct Times {
     pub rest_ns: u32,
     /// The select is low before the first clock.
     pub lead_ns: u32,
-    /// The select stays low behind the last clock.
+    /// The select stays low after the last clock.
     pub trail_ns: u32,
 }
 
-/// A chip on its bus, and who waits for it.
+/// A chip on its bus, and its timer.
 #[derive(Debug)]
 pub(super) struct Frames<SPI, D> {
     spi: SPI,
@@ -37,8 +37,8 @@ impl<SPI: SpiDevice, D: DelayNs> Frames<SPI, D> {
         Frames { spi, delay, times }
     }
 
-    /// Sends the bytes, and puts what came in their place. The rest is waited for in front, whatever has passed since
-    /// the frame before.
+    /// Sends the bytes, and stores the received bytes in their place. It waits for the pause before the frame,
+    /// whatever time has passed since the frame before.
     pub(super) fn exchange(&mut self, bytes: &mut [u8]) -> Result<(), ChipError<SPI::Error>> {
         let Times { rest_ns, lead_ns, trail_ns } = self.times;
         self.delay.delay_ns(rest_ns);

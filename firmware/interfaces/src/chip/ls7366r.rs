@@ -15,8 +15,8 @@
 //! MDR0 is read with every count. It is cleared when the chip's power comes, and a line that is stuck reads as 00 or ff,
 //! so a chip that is missing, or has lost its power and with it the count, makes an error.
 //!
-//! Mode 0. The clock of SPI may have 5 MHz with 5 V and 4 MHz with 3.3 V; that of the filter must be four times as fast
-//! as the edges of the encoder.
+//! Mode 0. The clock of SPI may have 5 MHz with 5 V and 4 MHz with 3.3 V. The clock of the filter must be four times
+//! as fast as the edges of the encoder.
 
 use embedded_hal::delay::DelayNs;
 use embedded_hal::spi::SpiDevice;

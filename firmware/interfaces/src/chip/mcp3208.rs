@@ -25,7 +25,7 @@ use crate::{Conversions, PressureInput};
 /// Name for messages.
 const CHIP: &str = "MCP3208";
 
-/// Section 1, timing parameters: t_CSH 500 ns, t_SUCS 100 ns; nothing is asked for behind the last clock.
+/// Section 1, timing parameters: t_CSH 500 ns, t_SUCS 100 ns; no time is required after the last clock.
 pub const TIMES: Times = Times { rest_ns: 500, lead_ns: 100, trail_ns: 0 };
 
 const START: u16 = 1 << 10;

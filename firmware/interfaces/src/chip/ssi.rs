@@ -49,7 +49,7 @@ pub struct SsiEncoder<SPI> {
 }
 
 impl<SPI: SpiDevice> SsiEncoder<SPI> {
-    /// An encoder of so many bits; None for less than one and more than [`MAX_BITS`].
+    /// An encoder with this many bits; None for less than one and more than [`MAX_BITS`].
     pub fn new(spi: SPI, bits: u8, coding: Coding) -> Option<SsiEncoder<SPI>> {
         (1..=MAX_BITS).contains(&bits).then_some(SsiEncoder { spi, bits, coding })
     }
@@ -60,7 +60,7 @@ impl<SPI: SpiDevice> SsiEncoder<SPI> {
     }
 }
 
-/// The position in what was read; None if the bits in front of it and behind it are not as they must be.
+/// The position in a reading; None if the bits before and after it are wrong.
 fn position(answer: u32, bits: u8, coding: Coding) -> Option<u32> {
     let behind = u32::BITS.checked_sub(u32::from(bits) + 2)?;
     let frame = answer >> behind;

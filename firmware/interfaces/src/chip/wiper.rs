@@ -1,8 +1,8 @@
 //! A potentiometer as an absolute encoder: its wiper at a channel of an MCP3208 (`mcp3208`) of its own, whose reference is the
 //! potentiometer's supply, so that the count is the ratio of the resistances.
 //!
-//! A wire to the wiper that is broken leaves a reading which jumps; a resistor of some hundred kilohms from the channel
-//! to ground makes that 0, and a potentiometer that is longer than the stroke keeps 0 outside of what positions read
+//! A broken wire to the wiper leaves a reading that jumps. A resistor of some hundred kilohms from the channel to
+//! ground makes that reading 0. A potentiometer that is longer than the stroke keeps 0 outside the range of positions
 //! (`encoder.zero_mm`).
 
 use embedded_hal::delay::DelayNs;
