@@ -1,7 +1,8 @@
-//! The program in a shell: completions, manual pages, `--version`, and that the documentation lists every command.
+//! The program in a shell: completions, manual pages, `--version`, and the commands that the documents show.
 
 mod program;
 
+use std::collections::BTreeSet;
 use std::fs;
 #[cfg(unix)]
 use std::process::Command;
@@ -117,14 +118,81 @@ fn the_version_tells_what_the_program_understands() {
     assert_eq!(ok(folder.path(), "-V"), concat!("pneudrive ", env!("CARGO_PKG_VERSION"), "\n"));
 }
 
+/// The documents that show commands.
+const PAGES: [&str; 13] = [
+    include_str!("../../README.md"),
+    include_str!("../../docs/bring-up.md"),
+    include_str!("../../docs/commands.md"),
+    include_str!("../../docs/first-hour.md"),
+    include_str!("../../docs/fmu.md"),
+    include_str!("../../docs/identification.md"),
+    include_str!("../../docs/json.md"),
+    include_str!("../../docs/logs.md"),
+    include_str!("../../docs/own-drive.md"),
+    include_str!("../../docs/profiles.md"),
+    include_str!("../../docs/studio.md"),
+    include_str!("../../docs/thesis.md"),
+    include_str!("../../docs/without-a-pc.md"),
+];
+
+/// The words of a command line as a shell takes them, up to a comment or a pipe.
+fn words(line: &str) -> Vec<String> {
+    let (mut words, mut word, mut quote) = (Vec::new(), String::new(), None);
+    for one in line.chars().chain([' ']) {
+        match (quote, one) {
+            (Some(open), _) if open == one => quote = None,
+            (None, '"' | '\'') => quote = Some(one),
+            (None, ' ') if !word.is_empty() => words.push(std::mem::take(&mut word)),
+            (None, ' ') => {}
+            _ => word.push(one),
+        }
+    }
+    words.into_iter().take_while(|word| word != "#" && word != "|").collect()
+}
+
 #[test]
-fn the_page_of_commands_lists_every_one() {
+fn every_command_that_a_document_shows_is_accepted() {
+    let mut count = 0;
+    for page in PAGES {
+        let page = page.replace("\\\n", " ");
+        let fenced = page.split("```").skip(1).step_by(2).flat_map(str::lines);
+        let typed = fenced.filter_map(|line| {
+            line.strip_prefix("pneudrive ").or_else(|| line.strip_prefix("cargo run --release -- "))
+        });
+        for line in typed {
+            let arguments = ["pneudrive".to_owned()].into_iter().chain(words(line));
+            let parsed = whole_command().try_get_matches_from(arguments);
+            assert!(parsed.is_ok(), "{line}: {}", parsed.expect_err("refused"));
+            count += 1;
+        }
+    }
+    assert!(count > 50, "{count} commands were looked at");
+}
+
+#[test]
+fn the_page_of_commands_lists_every_one_and_no_other() {
     let page = include_str!("../../docs/commands.md");
-    for command in Cli::command().get_subcommands() {
-        let name = command.get_name();
-        assert!(
-            page.contains(&format!("`pneudrive {name} ")) || page.contains(&format!("`pneudrive {name}`")),
-            "{name}"
-        );
+    let rows = page.lines().filter_map(|line| line.strip_prefix("| `pneudrive "));
+    let listed: BTreeSet<&str> =
+        rows.filter_map(|row| row.split(|one: char| one == ' ' || one == '`').next()).collect();
+    let command = Cli::command();
+    let known: BTreeSet<&str> = command.get_subcommands().map(clap::Command::get_name).collect();
+    assert_eq!(listed, known);
+}
+
+/// docs/DESIGN.md, section 5: the words that choose a model, beside the flags of the thesis.
+#[test]
+fn the_design_has_the_words_of_every_model() {
+    let folder = folder();
+    let page = include_str!("../../docs/DESIGN.md");
+    let table = page.split("| key | words").nth(1).expect("the table of models");
+    let rows = table.lines().skip(2).take_while(|line| line.starts_with('|'));
+    let rows: Vec<Vec<&str>> = rows.map(|row| row.split('`').skip(1).step_by(2).collect()).collect();
+    assert!(rows.len() >= 9, "{rows:?}");
+    for row in rows {
+        let explained = ok(folder.path(), &format!("rig explain {}", row[0]));
+        let range = explained.lines().find_map(|line| line.trim().strip_prefix("range ")).expect("words");
+        let words: Vec<&str> = range.split(',').filter_map(|word| word.split_whitespace().next()).collect();
+        assert_eq!(row[1..], words, "{}", row[0]);
     }
 }
