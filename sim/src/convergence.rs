@@ -14,13 +14,12 @@
 //! converged:  distance of y_k to an edge > e_k, and e_k < 10 um, at every sample, with e = c or e = f
 //! ```
 //!
-//! A single other integration can agree with the run by chance. In one drive, whose errors grow 5,000-fold over its
-//! test, it was 4 nm from the solution at 1e-13 when both were 22 nm off. Two integrations with errors of different
-//! size hardly agree at the same time. If no coarser one is left, two finer ones are compared. Where rounding sets
-//! the errors, a finer integration is no more exact than the run. The coarser ones then show how far errors grow, and
-//! the floor of f_k is a part of their distance. Two decades of tolerance usually change the error 60-fold. So c_k is
-//! some 60 times the error, and its floor three fifths of it. docs/agreement.md has measured how often each bound
-//! holds.
+//! A single other integration can agree with the run by chance. In one drive, whose errors grow 5,000-fold over its test,
+//! it was 4 nm from the solution at 1e-13 when both were 22 nm off. Two integrations with errors of different size hardly
+//! agree at the same time. If no coarser one is left, two finer ones are compared. Where rounding sets the errors, a
+//! finer integration is no more exact than the run. The coarser ones then show how far errors grow, and the floor of f_k
+//! is a part of their distance. Two decades of tolerance usually change the error 60-fold. So c_k is some 60 times the
+//! error, and its floor three fifths of it. docs/agreement.md has measured how often each bound holds.
 
 use crate::component::controller;
 use crate::component::sensors::Sensors;

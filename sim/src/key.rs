@@ -23,8 +23,7 @@ pub struct Tables {
     pub entry_with: &'static str,
     /// The words of its first field, which chooses among the others, and their meanings.
     pub words: &'static [(&'static str, &'static str)],
-    /// Every field of an entry, declared and read like a key of the file. `models` of a field are the words that have
-    /// it.
+    /// Every field of an entry, declared and read like a key of the file. `models` of a field are the words that have it.
     pub fields: &'static [Key],
 }
 

@@ -1,6 +1,5 @@
 //! A smooth curve through measured points that rises and falls only where they do: Hermite cubics with the slopes of
-//! Fritsch and Butland (SIAM J. Sci. Stat. Comput. 5(2), 1984), a weighted harmonic mean of the slopes to either
-//! side.
+//! Fritsch and Butland (SIAM J. Sci. Stat. Comput. 5(2), 1984), a weighted harmonic mean of the slopes to either side.
 //!
 //! ```text
 //! d_i = (w_1 + w_2) / (w_1/s_(i-1) + w_2/s_i),   w_1 = 2 h_i + h_(i-1),  w_2 = h_i + 2 h_(i-1)      s_(i-1) s_i > 0

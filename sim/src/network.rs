@@ -18,10 +18,9 @@
 //! M^2 = min(1, R T m^2 / (n A_p^2 P^2)),   w -> w f,  T -> T f,   f = 1 + (n-1)/2 M^2
 //! ```
 //!
-//! Air in a node is at rest, so the pressure there is a stagnation pressure already. The same holds for a vessel
-//! right at the valve: the surroundings, and a supply or chambers without a tube. Air that charges a tube has the
-//! temperature T_n of its node. Air that leaves a chamber has the temperature of the chamber (6.58, VIII.14;
-//! EQUATIONS section 12).
+//! Air in a node is at rest, so the pressure there is a stagnation pressure already. The same holds for a vessel right at
+//! the valve: the surroundings, and a supply or chambers without a tube. Air that charges a tube has the temperature T_n
+//! of its node. Air that leaves a chamber has the temperature of the chamber (6.58, VIII.14; EQUATIONS section 12).
 //!
 //! The unknowns are the flows rather than the pressures: m|m| is smooth through zero, where the flow over the
 //! pressure difference has an infinite slope. Newton's method solves for (w_n, s, e) of each node, bordered by the

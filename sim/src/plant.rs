@@ -347,8 +347,7 @@ impl Plant {
         self.assembly.valve_state(t, x)
     }
 
-    /// The mass flows of [`Plant::look`] by the network's equations, kg/s. For tests: a row has the slopes of the
-    /// masses.
+    /// The mass flows of [`Plant::look`] by the network's equations, kg/s. For tests: a row has the slopes of the masses.
     #[doc(hidden)]
     pub fn solved_flows(&mut self, t: f64) -> [f64; 2] {
         let t = self.plant_time(t);

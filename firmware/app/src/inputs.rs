@@ -1,5 +1,4 @@
-//! The digital inputs beside the control: their orders are carried out in pieces, as requests are
-//! ([`crate::selector`]).
+//! The digital inputs beside the control: their orders are carried out in pieces, as requests are ([`crate::selector`]).
 
 use crate::configuration::Prepared;
 use crate::shared_drive::SharedDrive;

@@ -10,9 +10,8 @@
 //! | [`inputs::attend`] | idle task, once a sample | below | none; a stop by an input waits for it |
 //! | [`Server::attend`], [`Server::speak`] | idle task | below | none; streams lose the samples for which it is late |
 //!
-//! A sample that comes later than the configuration allows trips the supervisor; it is never made up for. The
-//! [`Control`] half and the [`Server`] half share only the requests that the server hands to the control half, one at
-//! a time.
+//! A sample that comes later than the configuration allows trips the supervisor; it is never made up for. The [`Control`]
+//! half and the [`Server`] half share only the requests that the server hands to the control half, one at a time.
 //!
 //! The same code runs natively as the virtual rig and on the microcontroller. A board with a simulated plant
 //! exchanges data with it over the [`plant_bus`] and is a [`LockStep`].

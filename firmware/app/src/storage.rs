@@ -133,8 +133,7 @@ impl ConfigStore {
     /// a slot, and takes as long as that takes.
     ///
     /// # Errors
-    /// When the flash refuses or does not hold the written data. The configuration saved before is whole
-    /// then.
+    /// When the flash refuses or does not hold the written data. The configuration saved before is whole then.
     pub fn save<F: NorFlash>(
         &self,
         flash: &mut F,

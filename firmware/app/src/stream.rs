@@ -85,8 +85,7 @@ impl Stream {
         self.gathered.saturating_sub(HELD as u32)
     }
 
-    /// Whether so many rows wait that the next ones might overwrite the oldest. A rig that makes its own time can
-    /// wait.
+    /// Whether so many rows wait that the next ones might overwrite the oldest. A rig that makes its own time can wait.
     #[must_use]
     pub fn is_full(&self) -> bool {
         self.gathered - self.sent.max(self.oldest()) > HELD as u32 / 2

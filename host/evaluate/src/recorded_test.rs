@@ -115,9 +115,8 @@ fn start_of(file: &TargetFile, first: RecordedSample, rig: &Rig) -> Result<Start
     })
 }
 
-/// The moves of a record that begins with the sample `first`. It has a move at the start of the test, too, if it does
-/// not begin with the setpoint in force before any move: in closed loop the count of the first sample, in open loop
-/// null.
+/// The moves of a record that begins with the sample `first`. It has a move at the start of the test, too, if it does not
+/// begin with the setpoint in force before any move: in closed loop the count of the first sample, in open loop null.
 fn moves_of(config: &Config, recorded: &[RecordedSample], first: RecordedSample) -> Result<Vec<Move>> {
     let plan = moves::plans(config, recorded)?.into_iter().next().context("it has no moves")?;
     let of_record = plan.sequence.moves().iter().filter(|one| (one.at_sample as usize) < recorded.len());

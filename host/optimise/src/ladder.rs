@@ -107,8 +107,7 @@ struct Plan {
 }
 
 /// The rungs of a rig: the reference first, then the file's own models, then each other model of each component, each
-/// with its perturbed runs. `clock` gives the time since some instant; `progress` receives the rungs done and all
-/// rungs.
+/// with its perturbed runs. `clock` gives the time since some instant; `progress` receives the rungs done and all rungs.
 ///
 /// # Errors
 /// When a rung cannot be simulated, or `progress` wants no more.

@@ -8,8 +8,7 @@ use serde_json::{Map, Value, json};
 use crate::asked::Asked;
 use crate::refusal;
 
-/// The problems of a rig, each at its key. For a valid rig: its values, their origins, and the keys that its models
-/// use.
+/// The problems of a rig, each at its key. For a valid rig: its values, their origins, and the keys that its models use.
 #[must_use]
 pub fn answer(asked: &Asked) -> Value {
     match asked.rig() {

@@ -1,5 +1,4 @@
-//! Overlays a TARGET file or a run folder on the page's run, aligned if requested, with the deviation, as `overlay`
-//! does.
+//! Overlays a TARGET file or a run folder on the page's run, aligned if requested, with the deviation, as `overlay` does.
 
 use pneudrive_evaluate::alignment::Align;
 use pneudrive_evaluate::deviation::{deviations, table};

@@ -1,8 +1,7 @@
 //! Opens and saves rig files.
 //!
-//! A page may write rig files into one folder: the folder of the opened rig, or the one in which the studio was
-//! started. An existing file is replaced without a question only if it still holds what the studio last read or wrote
-//! there.
+//! A page may write rig files into one folder: the folder of the opened rig, or the one in which the studio was started.
+//! An existing file is replaced without a question only if it still holds what the studio last read or wrote there.
 
 use std::collections::BTreeMap;
 use std::fs;

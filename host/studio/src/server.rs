@@ -19,12 +19,10 @@ use crate::served;
 use crate::study;
 use crate::token::Token;
 
-/// Threads for simulations: one for a run, one for its perturbed runs, and two for those that nobody waits for any
-/// more.
+/// Threads for simulations: one for a run, one for its perturbed runs, and two for those that nobody waits for any more.
 const THREADS: usize = 4;
 
-/// Threads that receive requests and send answers: while one reads a long body, an order to the drive still gets
-/// through.
+/// Threads that receive requests and send answers: while one reads a long body, an order to the drive still gets through.
 const DOORS: usize = 2;
 
 /// Requests that bring a record.

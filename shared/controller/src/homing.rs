@@ -12,9 +12,8 @@
 //!                            +--- there, but elsewhere --------+
 //! ```
 //!
-//! A run that begins on its switch backs off first. A pause on the way back to a stop does not count as the stop,
-//! because an axis takes a while to reverse. If the same place is never found twice, the run ends after
-//! `timeout_samples`.
+//! A run that begins on its switch backs off first. A pause on the way back to a stop does not count as the stop, because
+//! an axis takes a while to reverse. If the same place is never found twice, the run ends after `timeout_samples`.
 
 use crate::choice::HomingKind;
 use crate::standstill::Standstill;

@@ -9,8 +9,7 @@
 //! ```
 //!
 //! The supervisor has the last word on every command. `permit` is the only way from the law to the drive stage, and
-//! `output` asks it again. A trip acts at the output of the same sample. Only an explicit re-arm leaves the fault
-//! mode.
+//! `output` asks it again. A trip acts at the output of the same sample. Only an explicit re-arm leaves the fault mode.
 //!
 //! This is not a safety-rated function: a machine needs a hardware emergency stop.
 

@@ -59,8 +59,7 @@ impl<const N: usize> Progress<N> {
     }
 }
 
-/// The larger of two numbers; the first one if the second is not a number. A single instruction, which `f64::max` is
-/// not.
+/// The larger of two numbers; the first one if the second is not a number. A single instruction, which `f64::max` is not.
 #[inline(always)]
 fn larger(one: f64, other: f64) -> f64 {
     if other > one { other } else { one }

@@ -46,8 +46,7 @@ impl Assembly {
         }
     }
 
-    /// The same if the answer decides about an event: if following the last solution fails, the flows are searched
-    /// for.
+    /// The same if the answer decides about an event: if following the last solution fails, the flows are searched for.
     pub(super) fn nodes_found(&mut self, t: f64, x: &StateVector) -> Nodes {
         let nodes = self.nodes(t, x);
         if nodes.are_finite() {

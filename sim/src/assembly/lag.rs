@@ -7,10 +7,9 @@
 //!
 //! The network does not contain them; the pressures behind them are states.
 //!
-//! One part of the supply tube cannot lag. Behind a land wider than its port, the speed of the air recovers pressure
-//! at once (6.54). So for a given pressure in front of it the flow near rest has no unique value, and it would jump
-//! to and fro with any lag, however short. Therefore enough of the drop follows the flow at once to outweigh the
-//! recovery:
+//! One part of the supply tube cannot lag. Behind a land wider than its port, the speed of the air recovers pressure at
+//! once (6.54). So for a given pressure in front of it the flow near rest has no unique value, and it would jump to and
+//! fro with any lag, however short. Therefore enough of the drop follows the flow at once to outweigh the recovery:
 //!
 //! ```text
 //! P_sv = P_s ratio^(1-a) settled^a,   a = 1.5 G (1 - (A_p/(C_d A))^2),   0 where C_d A <= A_p
@@ -61,9 +60,8 @@ impl Lag {
         (MARGIN * self.recovery * (1.0 - 1.0 / (width * width))).clamp(0.0, 1.0)
     }
 
-    /// Rates of the three ratios. The flow from the supply (kg/s) comes with the temperature (K) of the air that
-    /// flows back to it. The flows into the chambers come with their pressures and the temperatures of the air in the
-    /// tubes.
+    /// Rates of the three ratios. The flow from the supply (kg/s) comes with the temperature (K) of the air that flows
+    /// back to it. The flows into the chambers come with their pressures and the temperatures of the air in the tubes.
     #[inline(always)]
     pub fn derivative(
         &self,

@@ -4,10 +4,9 @@
 //! M y'' = F_a + F_const - k y - M g sin(incline) - K_C y' + L_e - F_r     (6.31)
 //! ```
 //!
-//! Positive means extension. F_const acts along +y (EQUATIONS section 6); L_e is the force of the
-//! end stops ([`crate::component::stop`]), F_r the friction except its viscous part
-//! ([`crate::component::friction`]). The applied force is everything except F_r; it decides whether a stuck load
-//! breaks away.
+//! Positive means extension. F_const acts along +y (EQUATIONS section 6); L_e is the force of the end stops
+//! ([`crate::component::stop`]), F_r the friction except its viscous part ([`crate::component::friction`]). The applied
+//! force is everything except F_r; it decides whether a stuck load breaks away.
 
 use crate::component::actuator;
 use crate::component::friction::{Body, Contact, Friction, FrictionModel, States};

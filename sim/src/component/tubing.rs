@@ -82,9 +82,8 @@ pub fn tubes(rig: &Rig, gas: &Gas) -> (Tube, Tube) {
     (tube, tube)
 }
 
-/// The pressure that the speed in a port recovers behind an infinitely wide land, over the pressure that the tube
-/// from the supply loses, both as slopes over the flow, where only the lands' clearance is fed. 0 without speeds of
-/// approach.
+/// The pressure that the speed in a port recovers behind an infinitely wide land, over the pressure that the tube from
+/// the supply loses, both as slopes over the flow, where only the lands' clearance is fed. 0 without speeds of approach.
 pub(crate) fn speed_recovery(rig: &Rig, gas: &Gas, valve: &Valve) -> f64 {
     let (tube, supply) = (tubes(rig, gas).0, supply::station(rig, gas));
     if !speed_counts(rig) || tube.is_none() {

@@ -73,8 +73,7 @@ impl Network {
         Balance { lines, mixture }
     }
 
-    /// Whether no tube's drop depends on the temperature of its air, and no part of a lagged tube's drop follows at
-    /// once.
+    /// Whether no tube's drop depends on the temperature of its air, and no part of a lagged tube's drop follows at once.
     #[inline(always)]
     pub(super) fn is_plain(&self) -> bool {
         self.following.is_none()

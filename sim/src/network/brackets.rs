@@ -1,5 +1,4 @@
-//! Solves the network by nested brackets: the flow of the supply tube outside, each node inside it, its port
-//! innermost.
+//! Solves the network by nested brackets: the flow of the supply tube outside, each node inside it, its port innermost.
 //!
 //! The brackets cannot fail, but they are slow. They are used where Newton's method fails, also on the way from air
 //! at rest. Only the speeds of approach may not converge: each pass takes them as given and finds them again.

@@ -68,8 +68,7 @@ mod tests {
         [PortFlow::Discharging, PortFlow::Discharging],
     ];
 
-    /// Whether the directions of the ports match their flows. Otherwise a node may have no inflow, and any
-    /// temperature.
+    /// Whether the directions of the ports match their flows. Otherwise a node may have no inflow, and any temperature.
     fn fits(network: &Network, around: &Surroundings) -> bool {
         let each = network.nodes.each();
         (0..2).all(|i| (each[i].port_flow() >= 0.0) == (around.port(i) == PortFlow::Charging))

@@ -1,9 +1,8 @@
 //! The predictor: where Newton's method starts.
 //!
-//! Between two jumps the flows change smoothly with time. They change even more smoothly when each is divided by the
-//! root of its land's conductance, because a flow through a narrow land follows that conductance, and the spool moves
-//! faster than the pressures. A parabola through the last three solutions comes close to the next one and saves an
-//! iteration.
+//! Between two jumps the flows change smoothly with time. They change even more smoothly when each is divided by the root
+//! of its land's conductance, because a flow through a narrow land follows that conductance, and the spool moves faster
+//! than the pressures. A parabola through the last three solutions comes close to the next one and saves an iteration.
 
 use super::Network;
 use super::nodes::{Nodes, Surroundings, pair};

@@ -10,12 +10,10 @@
 //! port                  T_p m|m| + K_p psi(w_v, w_n) = 0           m = s - a
 //! ```
 //!
-//! Behind a port that gives air back, T_b is the temperature f_c T_c of that air. Otherwise it is f_s T_s, and d is
-//! zero. T_p is the temperature of the air in the port. The factors f are 1 where air is at rest in front of a
-//! restriction.
+//! Behind a port that gives air back, T_b is the temperature f_c T_c of that air. Otherwise it is f_s T_s, and d is zero.
+//! T_p is the temperature of the air in the port. The factors f are 1 where air is at rest in front of a restriction.
 //!
-//! The pressures behind the tubes depend on the flows: w_sv on M, the flow of both nodes from the supply, and w_v on
-//! m.
+//! The pressures behind the tubes depend on the flows: w_sv on M, the flow of both nodes from the supply, and w_v on m.
 
 mod approach;
 mod elimination;

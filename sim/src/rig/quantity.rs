@@ -1,8 +1,7 @@
 //! Numbers with a unit: "6 bar(g)", "250 mm", "0.4 N/mm", "20 degC", "8,5 kg".
 //!
-//! A unit is a product of factors over others, as in `dm3/(s bar)` and `N/(m/s)`. A slash divides by everything up to
-//! the next slash. The value of a factor in SI comes from [`uom`]; a whole exponent may follow it (`cm3`, `cm^3` or
-//! `cm³`).
+//! A unit is a product of factors over others, as in `dm3/(s bar)` and `N/(m/s)`. A slash divides by everything up to the
+//! next slash. The value of a factor in SI comes from [`uom`]; a whole exponent may follow it (`cm3`, `cm^3` or `cm³`).
 
 mod likely;
 mod spelling;
@@ -87,8 +86,7 @@ fn of_flow(unit: &str, target: Unit) -> &str {
     plain.filter(|_| is_flow).map_or(unit, str::trim_end)
 }
 
-/// The unit of a pressure without its reference, and whether that reference is the surroundings; None if it does not
-/// say.
+/// The unit of a pressure without its reference, and whether that reference is the surroundings; None if it does not say.
 fn pressure_reference(unit: &str) -> (&str, Option<bool>) {
     let endings = [
         (["(g)", "(G)", "(gauge)", " gauge", "g", "G"], true),

@@ -9,9 +9,8 @@
 //! | duration of a chirp | samples | to whole cycles |
 //! | hold | samples | to the nearest, 1 at least |
 //!
-//! A ramp begins at the setpoint before it. The first ramp of a closed loop begins where the drive stands, which no
-//! file knows. It has the lengths of the longest way between the soft limits, so it is within its limits from
-//! anywhere.
+//! A ramp begins at the setpoint before it. The first ramp of a closed loop begins where the drive stands, which no file
+//! knows. It has the lengths of the longest way between the soft limits, so it is within its limits from anywhere.
 
 use std::num::NonZeroU32;
 

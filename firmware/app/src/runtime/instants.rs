@@ -1,9 +1,8 @@
 //! The clock of the control: a free-running counter of microseconds with two compare channels.
 //!
-//! Channel 1 marks the samples, channel 2 their outputs. Each event sets its own channel to the next instant. It
-//! counts from the event before and not from the time at which the processor handled it, so samples stay on the grid
-//! k * period. An instant that cannot be met any more is skipped: the counter would reach it again only after 71
-//! minutes.
+//! Channel 1 marks the samples, channel 2 their outputs. Each event sets its own channel to the next instant. It counts
+//! from the event before and not from the time at which the processor handled it, so samples stay on the grid k * period.
+//! An instant that cannot be met any more is skipped: the counter would reach it again only after 71 minutes.
 
 use core::num::NonZeroU32;
 

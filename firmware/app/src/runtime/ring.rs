@@ -5,9 +5,8 @@
 pub struct Reader(usize);
 
 impl Reader {
-    /// The place of the next received byte in a ring of this size, from the number of bytes that the hardware has
-    /// left before it wraps. A reader that is a whole round late misses that round; the frames of the protocol show
-    /// it.
+    /// The place of the next received byte in a ring of this size, from the number of bytes that the hardware has left
+    /// before it wraps. A reader that is a whole round late misses that round; the frames of the protocol show it.
     pub fn next(&mut self, places: usize, left: usize) -> Option<usize> {
         let filled = places.saturating_sub(left);
         if self.0 == filled || self.0 >= places {

@@ -1,10 +1,9 @@
 //! The watchdog: when it is no longer fed, it must reset the board, and the fault log must name it.
 //!
 //! This check comes last, because the reset loses the reference of the axis and everything that was not stored.
-//! Parameters and move records are put back. In a reset the converter of the valve may give any command. So the check
-//! is skipped if the amplifier was seen to need no `drive_enable`, and if no pulses were given. With an enable line
-//! that nobody has tested the slide may jerk in the reset; the operator was told so before the cylinder was allowed
-//! to move.
+//! Parameters and move records are put back. In a reset the converter of the valve may give any command. So the check is
+//! skipped if the amplifier was seen to need no `drive_enable`, and if no pulses were given. With an enable line that
+//! nobody has tested the slide may jerk in the reset; the operator was told so before the cylinder was allowed to move.
 
 use std::time::{Duration, Instant};
 

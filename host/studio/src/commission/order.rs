@@ -209,8 +209,7 @@ impl<'a> Orders<'a> {
         }
     }
 
-    /// Whether the page has been silent for too long. Orders that arrived during another order count as signs of
-    /// life.
+    /// Whether the page has been silent for too long. Orders that arrived during another order count as signs of life.
     pub fn is_silent(&mut self) -> bool {
         self.hear();
         self.heard.elapsed() > self.patience
@@ -348,8 +347,7 @@ mod tests {
         Order::Jog(Direction::Extend, Box::new(Rig::builtin("servo-b-tuned").expect("a built-in rig")))
     }
 
-    /// While another order is carried out, confirmations of a button may queue up before the order that ends the
-    /// motion.
+    /// While another order is carried out, confirmations of a button may queue up before the order that ends the motion.
     #[test]
     fn a_jog_is_passed_over_when_it_is_old_or_the_button_was_let_go_behind_it() {
         let (sender, receiver) = channel();

@@ -116,8 +116,7 @@ pub(super) struct SpoolBench {
 #[derive(Clone, Debug)]
 struct OnBench(Operator);
 
-/// As parts of a state's scale, a tenth of a millimetre in a tenth of a second: far below the resolution of a
-/// reading.
+/// As parts of a state's scale, a tenth of a millimetre in a tenth of a second: far below the resolution of a reading.
 const TOLERANCE: f64 = 1e-8;
 const SCALE: [f64; 2] = [1e-4, 1e-2];
 

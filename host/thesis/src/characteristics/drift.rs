@@ -1,9 +1,8 @@
 //! The remaining error of a drive as its valve's null drifts (8.4).
 //!
-//! The thesis calls drift "a disastrous phenomenon on the control electronics and the pneumatic components" and
-//! leaves it to a "time-dependent offset function". Here that is a null that moves at a constant speed. It is
-//! practically constant during a test, so the rig's own test once every half an hour represents a shift of eight
-//! hours.
+//! The thesis calls drift "a disastrous phenomenon on the control electronics and the pneumatic components" and leaves it
+//! to a "time-dependent offset function". Here that is a null that moves at a constant speed. It is practically constant
+//! during a test, so the rig's own test once every half an hour represents a shift of eight hours.
 
 use pneudrive_sim::component::controller;
 use pneudrive_sim::component::encoder::mm_per_count;

@@ -1,7 +1,6 @@
 //! Pressure drop in the tubing (7.1.4, 6.61 to 6.65): the pressure at the far end of a tube over its flow.
 //!
-//! Positive flows go away from the end with the known pressure. For negative flows the far end has the higher
-//! pressure.
+//! Positive flows go away from the end with the known pressure. For negative flows the far end has the higher pressure.
 
 use super::points::{evenly, over};
 use super::{Characteristic, Figure, Graph, Unfit};

@@ -7,9 +7,8 @@
 //! ```
 //!
 //! A slip ends at the located zero of the velocity. The body then breaks away again if F is beyond the static force;
-//! otherwise it sticks. This is the limit of the thesis's model as the velocity threshold C(24) goes to zero
-//! (EQUATIONS section 6, section 11 rule 2). A body without dry friction never sticks. Load and spool share this
-//! model.
+//! otherwise it sticks. This is the limit of the thesis's model as the velocity threshold C(24) goes to zero (EQUATIONS
+//! section 6, section 11 rule 2). A body without dry friction never sticks. Load and spool share this model.
 
 use super::{Body, FrictionModel, States, keys as load};
 use crate::key::keys;
