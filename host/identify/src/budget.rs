@@ -10,9 +10,12 @@ use std::sync::atomic::{AtomicU64, Ordering};
 const FIRST: u64 = 3000;
 const ALL: u64 = 4000;
 
-/// Evaluations altogether, of a microsecond each and what is done with them: so that whoever waits for a refusal waits for less
-/// than a minute, by one core of a PC that does nothing else.
-pub(super) const MAX_EVALUATIONS: u64 = 40_000_000;
+/// The same, to end at a minimum that is known to be near.
+const MORE: u64 = 1500;
+
+/// Evaluations altogether. Each takes 0.2 us with what is done with it, so that a refusal takes a minute of one core of a PC that
+/// does nothing else, and about half of that on two.
+const MAX_EVALUATIONS: u64 = 300_000_000;
 
 /// Evaluations of a run for each of its samples: a hundred times what they take where the model is near the rig.
 const OF_A_SAMPLE: u64 = 5_000;
@@ -54,6 +57,11 @@ impl Budget {
         self.end_after(ALL);
     }
 
+    /// A point near a minimum is found: there is enough to come to it.
+    pub fn finish(&mut self) {
+        self.most = Some((self.spent() + MORE * self.once).min(MAX_EVALUATIONS));
+    }
+
     fn end_after(&mut self, times: u64) {
         self.most = Some((times * self.once).min(MAX_EVALUATIONS * times / ALL));
     }
@@ -82,6 +90,11 @@ mod tests {
         budget.go_on();
         assert!(!budget.is_spent());
         budget.spend(7 * (ALL - FIRST));
+        assert!(budget.is_spent());
+        budget.finish();
+        budget.spend(7 * MORE - 1);
+        assert!(!budget.is_spent());
+        budget.spend(1);
         assert!(budget.is_spent());
     }
 

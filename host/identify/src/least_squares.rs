@@ -247,6 +247,8 @@ fn limited(step: DVector<f64>, problem: &impl Problem) -> DVector<f64> {
 
 #[cfg(test)]
 mod tests {
+    use std::cell::Cell;
+
     use super::*;
 
     /// Rosenbrock's valley, without points left of a wall, and within limits.
@@ -281,6 +283,54 @@ mod tests {
 
         fn is_confined(&self) -> bool {
             self.is_confined
+        }
+    }
+
+    /// A valley whose residuals may be evaluated so many times.
+    struct Paid {
+        valley: Valley,
+        left: Cell<i32>,
+    }
+
+    impl Problem for Paid {
+        fn residuals(&self, u: &[f64]) -> Option<DVector<f64>> {
+            self.left.set(self.left.get() - 1);
+            self.valley.residuals(u)
+        }
+
+        fn jacobian(&self, u: &[f64], at: &DVector<f64>) -> Option<DMatrix<f64>> {
+            self.valley.jacobian(u, at)
+        }
+
+        fn limits(&self) -> Vec<Limit> {
+            Vec::new()
+        }
+
+        fn longest(&self, unknown: usize) -> f64 {
+            self.valley.longest(unknown)
+        }
+
+        fn is_cut(&self) -> bool {
+            self.left.get() <= 0
+        }
+    }
+
+    #[test]
+    fn a_search_whose_budget_is_spent_ends_with_the_step_that_it_is_at() {
+        let spent = |search: &dyn Fn(&Paid) -> Minimum| {
+            let paid = Paid { valley: from(-9.0), left: Cell::new(6) };
+            assert!(!search(&paid).converged, "it is cut");
+            6 - paid.left.get()
+        };
+        let u = [-1.2, 1.0];
+        let full = |paid: &Paid| minimise(paid, &u, true, &mut |_| {}).expect("residuals");
+        let by_secants = |paid: &Paid| {
+            let residuals = paid.valley.residuals(&u).expect("residuals");
+            let jacobian = paid.valley.jacobian(&u, &residuals).expect("derivatives");
+            minimise_by_secants(paid, Minimum { u: u.to_vec(), residuals, jacobian, converged: false })
+        };
+        for evaluations in [spent(&full), spent(&by_secants)] {
+            assert!((6..12).contains(&evaluations), "{evaluations}");
         }
     }
 

@@ -65,6 +65,7 @@ pub(super) fn search(
     if first.spectrum.is_more_than_noise() {
         of_first = causes::explain(model, &first, &Traces::of(model, &first), progress);
         if let Some(u) = of_first.not_come_to.take() {
+            model.budget.finish();
             first = found(model, &u, progress)?;
         } else if of_first.explain_to_noise() {
             return Ok(Termination { found: first, causes: Some(of_first), of_first: Causes::default() });
