@@ -99,8 +99,7 @@ pub struct Causes {
     pub fitted: Vec<Explanation>,
     /// The names of those whose fit did not come to an end, or was not begun, as the search had become too long.
     pub cut: Vec<&'static str>,
-    /// Where the fit of the best effect ended, if that is an error of calibration within what is likely: then it is a point of
-    /// the model itself, which the search has not come to.
+    /// Where the fit of the best effect ended, if the model gains as much there without it: a point that its search has not come to.
     pub(super) not_come_to: Option<Vec<f64>>,
 }
 
@@ -177,7 +176,7 @@ pub(super) fn explain(
     if model.budget.is_spent() && !fits.iter().any(Fit::leaves_noise) {
         cut.extend(fits.iter().filter(|fit| !fit.found_converged()).map(|fit| fit.effect().name));
     }
-    let not_come_to = fits.first().and_then(Fit::point_of_likely_error);
+    let not_come_to = fits.first().and_then(Fit::point_without_effect);
     Causes { fitted, cut, not_come_to }
 }
 

@@ -19,6 +19,9 @@ const PARTS: [f64; 4] = [1.0, 0.5, 0.2, 0.05];
 /// Parts of its usual size that an effect is tried in where the fit begins at the file's values.
 const SIZES: [f64; 10] = [-16.0, -8.0, -4.0, -2.0, -1.0, 1.0, 2.0, 4.0, 8.0, 16.0];
 
+/// What an effect gains is not its own if the model without it gains so much of it at the same point.
+const MAX: f64 = 0.9;
+
 /// From where the fit of an effect begins.
 #[derive(Clone, Copy)]
 pub(super) struct Origin<'t, 'a> {
@@ -120,11 +123,17 @@ impl<'t, 'a> Fit<'t, 'a> {
         !self.found.spectrum.is_more_than_noise()
     }
 
-    /// Where it ended, if the effect is an error of calibration that its tolerance makes likely and noise alone is left.
-    pub fn point_of_likely_error(&self) -> Option<Vec<f64>> {
-        let Change::Calibration(_) = self.effect().change else { return None };
-        let u = &self.found.minimum.u;
-        (self.leaves_noise() && !self.origin.model.has_far_error(u)).then(|| u.clone())
+    /// Where it ended, if the model without the effect gains most of it there, too, by likely errors of calibration.
+    pub fn point_without_effect(&self) -> Option<Vec<f64>> {
+        let Origin { model, without, .. } = self.origin;
+        let mut u = self.found.minimum.u.clone();
+        if let Change::Number { .. } = self.effect().change {
+            u.remove(model.parameters.len());
+        }
+        let before = without.minimum.residuals.norm_squared();
+        let gained = before - model.residuals_at(&u)?.norm_squared();
+        let is_likely = self.leaves_noise() && !model.has_far_error(&u);
+        (is_likely && gained > MAX * (before - self.cost())).then_some(u)
     }
 
     /// The value of the effect, in the unit of its key, if it is a number, and its standard error.
