@@ -17,7 +17,7 @@ use pneudrive_sim::{Accuracy, Rig};
 
 use hidden_rigs::Hidden;
 use hidden_rigs::coverage::{Coverage, held, spread};
-use hidden_rigs::rigs::{any_rig, lacking_rig, shipped_rig};
+use hidden_rigs::rigs::{any_rig, lacking_rig, scaled_rig, shipped_rig};
 use program::folder;
 
 fn pneudrive() -> &'static Path {
@@ -42,6 +42,26 @@ fn the_intervals_hold_what_was_hidden_as_often_as_they_say() {
     assert!(held(&pooled) >= 0.88, "intervals too narrow");
     assert!((0.75..1.25).contains(&spread(&pooled)), "errors are not as large as they are said to be");
     assert!(coverage.runs < 10_000 * 10, "a rig costs {} runs", coverage.runs / 10);
+}
+
+/// A light load on a strongly dithered valve has moved by 1.1 mm before its first stroke.
+#[test]
+fn a_drive_that_its_dither_shakes_is_identified() {
+    let folder = folder();
+    let trial = scaled_rig(1015).identify(pneudrive(), folder.path()).expect("an identification");
+    println!("{}", trial.summary());
+    assert!(trial.fits && trial.told.iter().filter(|told| !told.holds()).count() <= 1);
+}
+
+/// The search ends before the minimum of a long valley, and an error of the clock that is no larger than its tolerance was named
+/// as the cause of what was left.
+#[test]
+fn a_search_goes_on_from_where_the_fit_of_an_effect_has_come_without_needing_it() {
+    let folder = folder();
+    let trial = scaled_rig(1027).identify(pneudrive(), folder.path()).expect("an identification");
+    println!("{}", trial.summary());
+    assert!(trial.fits && trial.causes.is_empty());
+    assert!(trial.evaluations < 300_000_000, "{} evaluations", trial.evaluations);
 }
 
 /// A leak of 0.0017 g/(s bar) moved the null by 15 standard errors in a fit that was said to be one: the residuals
