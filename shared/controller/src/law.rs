@@ -20,7 +20,6 @@ use crate::choice::laws;
 pub use crate::choice::{Law, Loop};
 use crate::estimator::Motion;
 use crate::parameters::{Parameters, id};
-use crate::signal::Sample;
 
 /// The constants that laws share. Gains are plain numbers; `scale` makes the demand valve counts.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -78,7 +77,8 @@ pub(crate) struct Reference {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Measured<'a> {
     pub motion: &'a Motion,
-    pub input: &'a Sample,
+    /// As they were converted.
+    pub pressures: [i16; 2],
     /// What was learned of the valve's null, counts.
     pub learned: i32,
 }
@@ -146,9 +146,8 @@ macro_rules! control_laws {
                 }
             }
 
-            #[cold]
-            #[inline(never)]
-            fn demand_of_any(&mut self, config: &LawConfig, measured: Measured, reference: Reference) -> i32 {
+            /// The demand in valve counts, before the limits of the drive stage.
+            pub(crate) fn demand(&mut self, config: &LawConfig, measured: Measured, reference: Reference) -> i32 {
                 match (&mut *self, &config.settings) {
                     $((Running::$law(law), Settings::$law(settings)) => {
                         law.demand(config, settings, measured, reference)
@@ -165,17 +164,3 @@ macro_rules! control_laws {
 }
 
 laws!(control_laws);
-
-impl Running {
-    /// The demand in valve counts, before the limits of the drive stage. The thesis's law has nothing to remember unless it damps by
-    /// pressures, and costs no call.
-    #[inline(always)]
-    pub(crate) fn demand(&mut self, config: &LawConfig, measured: Measured, reference: Reference) -> i32 {
-        match &config.settings {
-            Settings::GainProfile(profile) if config.pressure_gain == 0 => {
-                profile.demand(config, measured, reference)
-            }
-            _ => self.demand_of_any(config, measured, reference),
-        }
-    }
-}

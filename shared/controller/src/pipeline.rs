@@ -5,7 +5,7 @@ use crate::drive::DriveConfig;
 use crate::estimator::Motion;
 use crate::fault::Fault;
 use crate::homing::Progress;
-use crate::law::{self, Loop, Measured, Reference};
+use crate::law::{self, Loop, Measured, Reference, Settings};
 use crate::limits::Evidence;
 use crate::sequence::Sequence;
 use crate::signal::{Command, Observation, Sample};
@@ -99,14 +99,36 @@ impl State {
         if config.law.control_loop == Loop::Open {
             return self.demand_in_open_loop(config, target.setpoint, motion.position);
         }
-        let reference = Reference { error: target.error, feed_forward: self.sequencer.feed_forward() };
-        let measured = Measured { motion, input, learned: self.null_offset.counts() };
-        let demand = self.law.demand(&config.law, measured, reference);
+        let demand = self.demand_of_law(config, target.error, motion);
         if config.motion.on_arrival && target.running && self.sequencer.is_at_exit() {
             self.demand_at_exit(config)
         } else {
             demand
         }
+    }
+
+    /// The thesis's law has nothing to remember unless it damps by pressures, and costs no call.
+    fn demand_of_law(&mut self, config: &Config, error: i32, motion: &Motion) -> i32 {
+        match &config.law.settings {
+            Settings::GainProfile(profile) if config.law.pressure_gain == 0 => {
+                let reference = Reference { error, feed_forward: self.sequencer.feed_forward() };
+                let measured = Measured { motion, pressures: [0; 2], learned: self.null_offset.counts() };
+                profile.demand(&config.law, measured, reference)
+            }
+            _ => self.demand_of_any_law(config, error),
+        }
+    }
+
+    /// Takes what is measured from the observation, so that nothing is kept for it where it is not called.
+    #[cold]
+    #[inline(never)]
+    fn demand_of_any_law(&mut self, config: &Config, error: i32) -> i32 {
+        let Observation { position, velocity, acceleration, pressure_1, pressure_2, .. } = self.observation;
+        let motion = Motion { position, step: 0, velocity, acceleration };
+        let pressures = [pressure_1, pressure_2];
+        let reference = Reference { error, feed_forward: self.sequencer.feed_forward() };
+        let measured = Measured { motion: &motion, pressures, learned: self.null_offset.counts() };
+        self.law.demand(&config.law, measured, reference)
     }
 
     /// Without moves the valve is at its null, but for a homing run.

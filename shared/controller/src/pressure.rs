@@ -8,8 +8,6 @@
 //! is not fed back. Burrows' servomechanism does the same (Burrows and Webb, "Further study of a low-pressure on-off
 //! pneumatic servomechanism"). The time constant is our choice.
 
-use crate::signal::Sample;
-
 /// The time constant of the mean is 2^this samples.
 const MEAN_SHIFT: u32 = 6;
 
@@ -19,8 +17,8 @@ pub(crate) struct Mean(Option<i32>);
 
 impl Mean {
     /// Takes sample k; `n_q[k]`, raw.
-    pub fn transient(&mut self, input: &Sample) -> i32 {
-        let difference = i32::from(input.pressure_1) - i32::from(input.pressure_2);
+    pub fn transient(&mut self, [pressure_1, pressure_2]: [i16; 2]) -> i32 {
+        let difference = i32::from(pressure_1) - i32::from(pressure_2);
         let before = self.0.unwrap_or(difference << MEAN_SHIFT);
         let mean = before + difference - (before >> MEAN_SHIFT);
         self.0 = Some(mean);
@@ -32,17 +30,12 @@ impl Mean {
 mod tests {
     use super::*;
 
-    fn pressures(pressure_1: i16, pressure_2: i16) -> Sample {
-        Sample { pressure_1, pressure_2, ..Sample::default() }
-    }
-
     #[test]
     fn a_step_of_pressure_is_fed_back_and_forgotten() {
         let mut mean = Mean::default();
-        assert_eq!(mean.transient(&pressures(1000, 2000)), 0, "standing from the start");
-        let after = |n: usize, mean: &mut Mean| {
-            (0..n).map(|_| mean.transient(&pressures(1640, 2000))).last().expect("samples")
-        };
+        assert_eq!(mean.transient([1000, 2000]), 0, "standing from the start");
+        let after =
+            |n: usize, mean: &mut Mean| (0..n).map(|_| mean.transient([1640, 2000])).last().expect("samples");
         assert_eq!(after(1, &mut mean), 630, "640 less what the mean took of it");
         let after_64 = after(63, &mut mean);
         assert!((230..=240).contains(&after_64), "640 / e after 64 samples: {after_64}");
@@ -52,9 +45,9 @@ mod tests {
     #[test]
     fn the_ends_of_the_pressure_range_do_not_overflow() {
         let mut mean = Mean::default();
-        mean.transient(&pressures(i16::MIN, i16::MAX));
+        mean.transient([i16::MIN, i16::MAX]);
         for _ in 0..1000 {
-            assert!(mean.transient(&pressures(i16::MAX, i16::MIN)).abs() <= 2 * 65_535);
+            assert!(mean.transient([i16::MAX, i16::MIN]).abs() <= 2 * 65_535);
         }
     }
 }

@@ -47,7 +47,7 @@ impl Feedback {
 
     /// k5 n_q.
     pub fn pressure(&mut self, config: &LawConfig, measured: Measured) -> i64 {
-        i64::from(config.pressure_gain) * i64::from(self.0.transient(measured.input))
+        i64::from(config.pressure_gain) * i64::from(self.0.transient(measured.pressures))
     }
 }
 

@@ -37,9 +37,10 @@ impl Settings {
 
     /// The demand without pressures.
     #[inline(always)]
-    pub(super) fn demand(&self, config: &LawConfig, measured: Measured, reference: Reference) -> i32 {
+    pub(crate) fn demand(&self, config: &LawConfig, measured: Measured, reference: Reference) -> i32 {
         let sum = sum(config, |error| self.gain(error), measured, reference);
-        sum.map_or(0, |sum| scaled(config, sum)).saturating_add(measured.null(config))
+        let null = measured.null(config);
+        sum.map_or(null, |sum| scaled(config, sum).saturating_add(null))
     }
 }
 
@@ -58,7 +59,8 @@ impl ControlLaw for GainProfile {
         reference: Reference,
     ) -> i32 {
         let sum = self.0.damped_sum(config, |error| settings.gain(error), measured, reference);
-        sum.map_or(0, |sum| scaled(config, sum)).saturating_add(measured.null(config))
+        let null = measured.null(config);
+        sum.map_or(null, |sum| scaled(config, sum).saturating_add(null))
     }
 }
 
@@ -68,7 +70,6 @@ mod tests {
     use super::*;
     use crate::Config;
     use crate::estimator::Motion;
-    use crate::signal::Sample;
 
     /// The thesis's law with its profile changed, from the null of the valve, for a motion and an error.
     fn demand(
@@ -79,7 +80,7 @@ mod tests {
         let mut law = Config::default().law;
         let Chosen::GainProfile(mut settings) = law.settings.clone() else { panic!("the thesis's law") };
         change(&mut law, &mut settings);
-        let measured = Measured { motion, input: &Sample::default(), learned: 0 };
+        let measured = Measured { motion, pressures: [0; 2], learned: 0 };
         GainProfile::default().demand(&law, &settings, measured, reference)
     }
 
@@ -136,8 +137,8 @@ mod tests {
             let Chosen::GainProfile(settings) = &law.settings else { panic!("the thesis's law") };
             let mut profile = GainProfile::default();
             let mut demand = |pressure_1| {
-                let input = Sample { pressure_1, ..Sample::default() };
-                let measured = Measured { motion: &Motion::default(), input: &input, learned: 0 };
+                let measured =
+                    Measured { motion: &Motion::default(), pressures: [pressure_1, 0], learned: 0 };
                 profile.demand(law, settings, measured, at(3))
             };
             demand(0);
