@@ -196,20 +196,23 @@ fn crc64(bytes: &[u8]) -> u64 {
 fn late(folder: &Path, by: f64) {
     let [from, to] = ["run", "late"].map(|name| folder.join(name));
     fs::create_dir(&to).expect("made");
-    let trace = fs::read_to_string(from.join("trace.csv")).expect("written");
     let shifted = |line: &str| match line.split_once(',') {
         Some((time, rest)) if !time.starts_with("time") => {
             format!("{:.4},{rest}\n", time.parse::<f64>().expect("a time") + by)
         }
         _ => format!("{line}\n"),
     };
-    let late: String = trace.lines().map(shifted).collect();
-    // Whoever changes a trace states its checksum anew.
-    let run = fs::read_to_string(from.join("run.json")).expect("written");
-    let [was, is] = [&trace, &late].map(|text| format!("{:016x}", crc64(text.as_bytes())));
-    assert!(run.contains(&was), "the checksum of the trace");
-    fs::write(to.join("run.json"), run.replace(&was, &is)).expect("written");
-    fs::write(to.join("trace.csv"), late).expect("written");
+    let mut run = fs::read_to_string(from.join("run.json")).expect("written");
+    for name in ["trace.csv", "band.csv"] {
+        let text = fs::read_to_string(from.join(name)).expect("written");
+        let late: String = text.lines().map(shifted).collect();
+        // Whoever changes a file of a run states its checksum anew.
+        let [was, is] = [&text, &late].map(|text| format!("{:016x}", crc64(text.as_bytes())));
+        assert!(run.contains(&was), "the checksum of {name}");
+        run = run.replace(&was, &is);
+        fs::write(to.join(name), late).expect("written");
+    }
+    fs::write(to.join("run.json"), run).expect("written");
 }
 
 #[test]

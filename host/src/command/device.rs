@@ -101,23 +101,21 @@ fn info(client: &mut Client) -> Result<()> {
     say!("board       {}", info.board);
     say!("protocol    version {}", info.version);
     say!("record      up to {} samples", info.record_capacity);
-    if info.version >= 2 {
-        let state = client.config_state()?;
-        say!("parameters  {:08x}, {}", state.hash, provenance(&state));
-        let [interval, latency] = client.timing()?;
-        json::figures(|| {
-            let spread = |times: &Spread| {
-                let Spread { count, least_us, most_us, bins } = times;
-                json!({ "count": count, "least_us": least_us, "most_us": most_us, "bins": bins })
-            };
-            json!({
-                "parameters_hash": format!("{:08x}", state.hash), "parameters_stored": state.saves,
-                "parameters_saved": state.saved, "sample_interval": spread(&interval), "output_delay": spread(&latency),
-            })
-        });
-        say!("samples     every {}", spread(&interval));
-        say!("outputs     after {}", spread(&latency));
-    }
+    let state = client.config_state()?;
+    say!("parameters  {:08x}, {}", state.hash, provenance(&state));
+    let [interval, latency] = client.timing()?;
+    json::figures(|| {
+        let spread = |times: &Spread| {
+            let Spread { count, least_us, most_us, bins } = times;
+            json!({ "count": count, "least_us": least_us, "most_us": most_us, "bins": bins })
+        };
+        json!({
+            "parameters_hash": format!("{:08x}", state.hash), "parameters_stored": state.saves,
+            "parameters_saved": state.saved, "sample_interval": spread(&interval), "output_delay": spread(&latency),
+        })
+    });
+    say!("samples     every {}", spread(&interval));
+    say!("outputs     after {}", spread(&latency));
     Ok(())
 }
 
