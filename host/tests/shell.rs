@@ -9,6 +9,7 @@ use std::process::Command;
 
 use clap::CommandFactory;
 use pneudrive::cli::Cli;
+use pneudrive::command::whole_command;
 use pneudrive_protocol::VERSION;
 use pneudrive_sim::rig::BUILTIN;
 
@@ -173,8 +174,7 @@ fn every_command_that_a_document_shows_is_accepted() {
 fn the_page_of_commands_lists_every_one_and_no_other() {
     let page = include_str!("../../docs/commands.md");
     let rows = page.lines().filter_map(|line| line.strip_prefix("| `pneudrive "));
-    let listed: BTreeSet<&str> =
-        rows.filter_map(|row| row.split(|one: char| one == ' ' || one == '`').next()).collect();
+    let listed: BTreeSet<&str> = rows.filter_map(|row| row.split([' ', '`']).next()).collect();
     let command = Cli::command();
     let known: BTreeSet<&str> = command.get_subcommands().map(clap::Command::get_name).collect();
     assert_eq!(listed, known);

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
-use crate::cargo::root;
+use pneudrive_build::cargo::root;
 
 /// A document: its path in the project, and its text.
 struct Page {

@@ -27,6 +27,8 @@
 pub mod axe;
 pub mod boards;
 pub mod deny;
+#[cfg(test)]
+mod documents;
 pub mod flashed;
 pub mod fmu;
 pub mod forbidden;

@@ -130,7 +130,7 @@ mod tests {
     fn the_guide_names_only_commands_that_there_are() {
         let known = Arguments::command();
         for page in ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "docs/trust.md", "docs/link.md"] {
-            let text = std::fs::read_to_string(xtask::cargo::root().join(page)).expect(page);
+            let text = std::fs::read_to_string(pneudrive_build::cargo::root().join(page)).expect(page);
             let words = text.split("cargo xtask").skip(1).filter_map(|rest| rest.split_whitespace().next());
             for word in words.map(|word| word.trim_end_matches(|one: char| !one.is_alphanumeric())) {
                 let name = word.split('`').next().unwrap_or_default();

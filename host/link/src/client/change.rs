@@ -83,7 +83,6 @@ impl Client {
         last_sample: u32,
         parameters: Option<&Parameters>,
     ) -> Result<Vec<&'static str>> {
-        if rig.sequence().moves().iter().any(|next| next.profile != Profile::Step) {}
         self.last_sample = Some(last_sample);
         // For a test without parameters: those of the rig as this program last read them.
         self.meant = self.known.take().map(|(_, parameters)| parameters);

@@ -112,7 +112,7 @@ mod tests {
     #[test]
     fn a_moving_setpoint_asks_for_its_feed_forward_in_the_dead_band_too() {
         let fed_forward = |feed_forward| {
-            let reference = Reference { error: 3, feed_forward, ..Reference::default() };
+            let reference = Reference { error: 3, feed_forward };
             demand(|law, _| law.dead_band = 8, &Motion::default(), reference)
         };
         assert_eq!([256 * 50, 0].map(fed_forward), [(3 * 8192 + 256 * 50) / 256, 0]);
