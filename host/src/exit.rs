@@ -23,7 +23,7 @@ macro_rules! exits {
 }
 
 exits! {
-    Done = 0: "done; a simulated drive that trips and a run that is not converged also count as done, unless `--strict` is given"
+    Done = 0: "done; a simulated drive that trips and a run that has not converged also count as done, unless `--strict` is given"
     Failed = 1: "failed for a reason without a code of its own, such as errors in a rig or a file"
     Usage = 2: "wrong usage: the command line is wrong or incomplete"
     NotThere = 3: "no such rig, file or folder"
@@ -32,7 +32,7 @@ exits! {
     Tripped = 6: "the drive tripped during the run or the homing run; with `simulate --strict`, also a simulated drive"
     NotBorneOut = 7: "the model does not fit, the data cannot decide, or a replay differs from the record"
     Unwritten = 8: "a file or the output cannot be written: the disk is full, or a limit is reached"
-    Unconverged = 9: "with `simulate --strict`: the run is not converged"
+    Unconverged = 9: "with `simulate --strict`: the run has not converged"
     // As a shell reports a program that was ended by SIGINT, or by SIGPIPE.
     Interrupted = 130: "stopped by Ctrl-C, SIGTERM or SIGHUP"
     ReaderGone = 141: "the reader of the output has gone, as in `pneudrive study list | head -1`"

@@ -247,7 +247,7 @@ fn the_inputs_of_a_virtual_rig_are_set_and_shown() {
     let refused = "refused  number 3: there is no record of this number";
     assert!((0..500).any(|_| device("io").contains(refused)), "{}", device("io"));
     for (wrong, says) in [
-        ("number=16", "out of range: 0 (homing), or the number of a record, 1 to 15"),
+        ("number=16", "out of range: 0 (none), the number of a record, 1 to 14, or 15 (homing)"),
         ("stop=on", "there is no input stop; there are number, start, acknowledge, run, enable"),
         ("enable=1", "an input is on or off"),
         ("enable", "is no INPUT=VALUE"),

@@ -1,5 +1,5 @@
 //! Times runs of a built-in rig: `runs RIG COUNT` answers each line of its input with the mean seconds of COUNT runs.
-//! host/python/overhead.py holds the Python package against it.
+//! host/python/tests/overhead.py holds the Python package against it.
 
 use std::io::{BufRead, stdin};
 use std::time::Instant;

@@ -116,11 +116,13 @@ impl Configuration {
         self.in_force = prepared;
     }
 
-    /// Puts other move records in force.
+    /// Puts other move records in force. What was learned then waits for a save: it would take them along, which nobody has asked for.
     #[cold]
     #[inline(never)]
     pub fn replace_records(&mut self, records: MoveRecords) {
-        self.records_changed |= records != self.records;
+        let changed = records != self.records;
+        self.records_changed |= changed;
+        self.learned &= !changed;
         self.records = records;
     }
 

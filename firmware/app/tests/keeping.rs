@@ -188,3 +188,17 @@ fn parameters_that_were_set_but_not_saved_are_not_stored_with_what_was_learned()
     drive.control.tidy_up(&mut drive.board).expect("nothing to store");
     assert_eq!(drive.power_cycle().get(id::VELOCITY_GAIN), 1);
 }
+
+#[test]
+fn move_records_that_were_set_but_not_saved_are_not_stored_with_what_was_learned() {
+    let mut drive = stepper_that_has_learned();
+    drive.control.arm(&mut drive.board).expect("it holds");
+    drive.control.disarm();
+    let told = ProfiledMove { at_sample: 9, target: -7, ..ProfiledMove::default() };
+    let entry = Entry::MoveRecord { number: 4, bytes: &told.to_bytes() };
+    let mut room = [0; PART_BYTES];
+    drive.control.take_change(entry.write(&mut room).expect("room")).expect("disarmed");
+    drive.samples(30);
+    drive.control.tidy_up(&mut drive.board).expect("nothing to store");
+    assert_eq!(drive.power_cycle().control.configuration().records().get(4), None);
+}

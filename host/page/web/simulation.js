@@ -53,7 +53,7 @@ export class Simulation {
   /** Counts the rigs that were given up. */
   #given = 0;
 
-  /** `told` has the functions `check`, `run`, `members` and `failed`. */
+  /** `told` has the functions `check`, `run`, `ensemble` and `failed`. */
   constructor(told) {
     this.#told = told;
   }

@@ -27,7 +27,7 @@ export function showSpectra(ask, records, interval) {
   choice.addEventListener('change', show);
   show();
   const about = html('p', {}, `${interval}. Hann window, the mean removed: a sine shows its amplitude, up to 15 % less between two frequencies. `
-    + 'The simulation is one run, without its neighbours.');
+    + 'The simulation is one run, without its perturbed runs.');
   return told('Spectrum', [html('p', {}, html('label', { for: 'spectrum-channel' }, 'Channel '), choice), result, about]);
 }
 

@@ -4,7 +4,7 @@
 //!
 //! | key | is |
 //! |---|---|
-//! | `number` | 1 to 15; the inputs of the drive select it |
+//! | `number` | 1 to 14; the inputs of the drive select it |
 //! | `dwell_s` | how long the axis stays at its target before it counts as in position; 0 if absent |
 //! | others | those of `[[test.move]]` except `at_s` and `points`: `to_mm`, `profile`, `velocity_mm_s`, ... |
 //!
@@ -24,7 +24,7 @@ use crate::units::Units;
 /// A move record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MoveRecord {
-    /// 1 to 15.
+    /// 1 to 14.
     pub number: u8,
     /// Target, counts, and profile.
     pub next: Move,
@@ -89,7 +89,7 @@ fn record_of(entry: &Table, number: Option<u8>, drive: &RigParameters) -> Result
     let number = match number {
         Some(number) => i64::from(number),
         None => {
-            entry.remove("number").and_then(|item| item.as_integer()).context("give its number = 1 to 15")?
+            entry.remove("number").and_then(|item| item.as_integer()).context("give its number = 1 to 14")?
         }
     };
     let number = u8::try_from(number).ok().filter(|number| (1..=MOVE_RECORDS).contains(number));

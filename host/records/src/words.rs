@@ -27,7 +27,7 @@ pub fn convergence(convergence: &Convergence) -> String {
                 .to_owned()
         }
         Some(since) => format!(
-            "not converged from {since:.4} s on: the exact transient may differ from there; positions are off by about {error}, as estimated{edge}; a smaller --tolerance may converge"
+            "not converged from {since:.4} s on: the exact transient may differ from there; positions are off by about {error}, as estimated{edge}; with a smaller --tolerance the run may converge"
         ),
     }
 }

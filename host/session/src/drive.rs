@@ -13,7 +13,8 @@ use crate::firmware_notes::{report_armed, report_boots, report_run_input};
 pub fn arm(client: &mut Client) -> Result<()> {
     report_boots(client);
     report_armed(&client.arm()?);
-    report_run_input(client)
+    report_run_input(client);
+    Ok(())
 }
 
 /// States that the axis stands at `count` now. Returns the zero of an absolute encoder, which is set for that; None of an

@@ -1,6 +1,5 @@
 //! Notes on firmware that lacks something.
 
-use anyhow::Result;
 use pneudrive_controller::Fault;
 use pneudrive_link::client::Client;
 use pneudrive_protocol::io::input;
@@ -23,17 +22,17 @@ pub fn report_armed(off: &[Fault]) {
     }
 }
 
-/// Says that a run input that is off may be none.
-///
-/// # Errors
-/// When the rig does not answer.
-pub fn report_run_input(client: &mut Client) -> Result<()> {
-    if client.io()?.inputs & input::RUN == 0 {
-        log::info!(
+/// Says that the run input of an armed drive is off, and may be none. The drive is armed even if it cannot be asked.
+pub fn report_run_input(client: &mut Client) {
+    match client.io() {
+        Ok(io) if io.inputs & input::RUN == 0 => log::info!(
             "the digital input run is off: if it was never on since the board's reset, it does not stop what is armed here"
-        );
+        ),
+        Ok(_) => {}
+        Err(error) => {
+            log::warn!("the drive is armed; whether its run input stops it is not known: {error:#}")
+        }
     }
-    Ok(())
 }
 
 /// Notes which parameters the rig's firmware does not have.

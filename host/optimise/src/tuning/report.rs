@@ -113,7 +113,7 @@ fn nominal(task: &Task, tuned: &Tuned) -> String {
         0 => "does not meet it, nor does any of its perturbed runs".to_owned(),
         all if all == seen.of => format!("meets it, and so do its {} perturbed runs", seen.of - 1),
         some => format!(
-            "cannot be decided: it and its perturbed runs, which differ very slightly, meet it in {some} of {} runs",
+            "may or may not meet it: it and its perturbed runs, which differ very slightly, do so in {some} of {} runs",
             seen.of
         ),
     };

@@ -43,7 +43,9 @@ fn with(inputs: u8, setting: &str) -> Result<u8> {
         .ok_or_else(|| anyhow!("{setting} is no INPUT=VALUE, such as enable=on or number=3"))?;
     if name == "number" {
         let number: u8 = value.parse().ok().filter(|number| *number <= input::NUMBER).with_context(|| {
-            format!("number={value} is out of range: 0 (homing), or the number of a record, 1 to 15")
+            format!(
+                "number={value} is out of range: 0 (none), the number of a record, 1 to 14, or 15 (homing)"
+            )
         })?;
         return Ok(inputs & !input::NUMBER | number);
     }

@@ -3,7 +3,7 @@
 //!
 //! ```text
 //! n[k]   = Kp n_p - Kv n_v - Ka n_a - k5 n_q + n_f          (the sum that laws share; Ka = 0 is PI-D)
-//! I[k]   = clamp(I[k-1] + Ki n_p[k], +-2^8 scale largest)   in 256ths of n
+//! I[k]   = clamp(I[k-1] + Ki n_p[k], +-2^8 min(scale largest, 2^31 - 1))   in 256ths of n
 //! demand = (n[k] + I[k] / 2^8) / scale + null offset        toward zero
 //! ```
 //!
@@ -18,7 +18,7 @@
 //! | Kp, Kv, Ka, k5 | whole numbers | 16 bits |
 //! | Ki | 256ths a sample (Q8) | 16 bits; integral time `256 Kp T / Ki`: at Kp = 1000 and 1.3 ms, Ki = 665 is 0.5 s |
 //! | n_p | counts | 32 bits |
-//! | I | 256ths of n (Q8), exact in `i64` | 2^50: scale below 2^31, largest command up to 2^11 |
+//! | I | 256ths of n (Q8), exact in `i64` | 2^39 |
 //! | n + I / 2^8 | exact in `i64` | saturated once to 32 bits |
 
 use super::feedback::{Feedback, scaled};
@@ -65,7 +65,8 @@ impl Pid {
 
     /// I with another error.
     fn integrated(&self, config: &LawConfig, settings: &Settings, error: i32) -> i64 {
-        let end = ONE * i64::from(config.scale.get()) * i64::from(config.largest);
+        // n is saturated to 32 bits: more could not be commanded, and would only have to unwind.
+        let end = ONE * (i64::from(config.scale.get()) * i64::from(config.largest)).min(i64::from(i32::MAX));
         let next = self.integral + i64::from(settings.integral_gain) * i64::from(error);
         next.min(end).max(-end)
     }

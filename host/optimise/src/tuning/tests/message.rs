@@ -49,7 +49,7 @@ fn the_verdict_says_the_fresh_draws_first_and_what_cannot_be_decided() {
     );
     assert!(message.contains("in 3 of 3 trials that the gains were tuned on"), "{message}");
     assert!(
-        message.contains("cannot be decided: it and its perturbed runs")
+        message.contains("may or may not meet it: it and its perturbed runs")
             && message.contains("in 5 of 8 runs"),
         "{message}"
     );
