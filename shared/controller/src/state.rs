@@ -172,7 +172,7 @@ impl State {
         Ok(())
     }
 
-    /// Works out the next setpoint of a profile between two samples. Otherwise [`sample`] does so itself, and takes longer.
+    /// Works out the next setpoint of a profile between two samples. Otherwise [`crate::sample`] does so itself, and takes longer.
     pub fn prepare(&mut self, config: &Config, sequence: &Sequence) {
         self.sequencer.prepare(&config.motion, sequence);
     }
