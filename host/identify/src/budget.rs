@@ -13,8 +13,8 @@ const ALL: u64 = 4000;
 /// The same, to end at a minimum that is known to be near.
 const MORE: u64 = 1500;
 
-/// Evaluations altogether. Each takes 0.2 us with what is done with it, so that a refusal takes a minute of one core of a PC that
-/// does nothing else, and about half of that on two.
+/// Evaluations altogether. One took 0.2 us of processor time, with all that is done with it, so they take about a minute of
+/// one core.
 const MAX_EVALUATIONS: u64 = 300_000_000;
 
 /// Evaluations of a run for each of its samples: a hundred times what they take where the model is near the rig.
@@ -99,7 +99,7 @@ mod tests {
     }
 
     #[test]
-    fn a_search_on_records_that_are_slow_to_follow_ends_before_a_minute_is_over() {
+    fn a_search_on_records_that_are_slow_to_follow_ends_after_a_fixed_number_of_evaluations() {
         let mut budget = Budget::default();
         budget.spend(1_000_000);
         budget.begin();

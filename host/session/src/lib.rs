@@ -1,4 +1,5 @@
-//! What is done with a rig at a port: the command, the studio and the Python package do it in the same way.
+//! What is done with a rig at a port: the command and the Python package do it in the same way. The studio shares the record, the
+//! bring-up and the wait for a stepper; it arms and runs in steps of its own, as its page may withdraw an order in between.
 //!
 //! | module | holds |
 //! |---|---|

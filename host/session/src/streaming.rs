@@ -80,7 +80,7 @@ impl Streaming {
 /// Makes a rig with these parameters stream every Nth sample of the run that will be started.
 ///
 /// # Errors
-/// When its firmware has no streams, or it does not answer.
+/// When it refuses, or does not answer.
 pub fn begin(client: &mut Client, parameters: &RigParameters, every: u16) -> Result<()> {
     let period_us = parameters.values.get(id::PERIOD_US).unwrap_or(0);
     client.stream_begin(every, 1e6 / f64::from(period_us.max(1)))

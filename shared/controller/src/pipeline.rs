@@ -112,6 +112,7 @@ impl State {
         match &config.law.settings {
             Settings::GainProfile(profile) if config.law.pressure_gain == 0 => {
                 let reference = Reference { error, feed_forward: self.sequencer.feed_forward() };
+                // No pressure is looked at with this gain at 0.
                 let measured = Measured { motion, pressures: [0; 2], learned: self.null_offset.counts() };
                 profile.demand(&config.law, measured, reference)
             }

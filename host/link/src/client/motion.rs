@@ -7,7 +7,7 @@ use super::Client;
 use super::answer::unexpected;
 
 impl Client {
-    /// Homes the axis; [`Client::motion`] shows when it is done.
+    /// Homes the axis; [`Client::status`] has the mode `Homing` until it is done.
     ///
     /// # Errors
     /// When it is refused or not answered.

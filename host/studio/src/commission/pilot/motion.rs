@@ -122,7 +122,7 @@ impl Pilot<'_> {
     /// Starts the test once a stepper's spool is at its null, unless the page wants it no more.
     fn start(&mut self, rig: &Rig, purpose: Purpose, parameters: &RigParameters) -> Result<()> {
         wait_for_null(&mut self.client, rig, &mut || still_wanted(&mut self.orders, purpose))?;
-        // Firmware without streams is looked at instead.
+        // A rig that refuses a stream is asked for its status instead.
         self.live = Live::begin(&mut self.client, parameters).ok();
         still_wanted(&mut self.orders, purpose)?;
         self.client.start()
