@@ -1,27 +1,50 @@
 //! Requests that come late a second time, behind later ones: a copy of the line, or of a host that asked
 //! again while the answer was on its way. Those that come after a reset are told by the boot that they name.
 
-use pneudrive_protocol::RequestBody;
+use pneudrive_protocol::{Request, RequestBody};
 
 /// Requests that are remembered.
 const REMEMBERED: usize = 8;
 
-/// The last requests of a host that changed something, by the CRC of their messages, the newest first.
+/// A request is forgotten when the numbers of its session are this far ahead of it. Numbers wrap after 65,536 requests; a stop must
+/// not be taken for the copy of one that had the same number then.
+const FORGOTTEN_AFTER: u16 = 0x4000;
+
+/// The last requests of a host that changed something, the newest first.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
-pub(crate) struct CarriedOut([Option<u32>; REMEMBERED]);
+pub(crate) struct CarriedOut([Option<Remembered>; REMEMBERED]);
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+struct Remembered {
+    crc32: u32,
+    session: u32,
+    sequence: u16,
+}
 
 impl CarriedOut {
-    /// Whether a request that changes something was carried out before; from now on it was.
-    pub(crate) fn has(&mut self, body: &RequestBody<'_>, crc32: u32) -> bool {
+    /// Whether a request that changes something was carried out before, by the CRC of its message; from now on it was.
+    pub(crate) fn has(&mut self, request: &Request<'_>, crc32: u32) -> bool {
+        let &Request { session, sequence, ref body, .. } = request;
+        for slot in &mut self.0 {
+            *slot = slot.filter(|old| !(old.session == session && old.is_far_behind(sequence)));
+        }
         if body.is_idempotent() {
             return false;
         }
-        let before = self.0.contains(&Some(crc32));
+        let before = self.0.iter().flatten().any(|old| old.crc32 == crc32);
         if !before {
             self.0.rotate_right(1);
-            self.0[0] = Some(crc32);
+            self.0[0] = Some(Remembered { crc32, session, sequence });
         }
         before
+    }
+}
+
+impl Remembered {
+    /// Whether a request of this number is a quarter to three quarters of all numbers later. A copy of an earlier request, with a
+    /// number just behind this one, is not.
+    fn is_far_behind(&self, sequence: u16) -> bool {
+        (FORGOTTEN_AFTER..=FORGOTTEN_AFTER.wrapping_neg()).contains(&sequence.wrapping_sub(self.sequence))
     }
 }
 
@@ -35,14 +58,36 @@ pub(crate) fn counts_in_any_boot(body: &RequestBody<'_>) -> bool {
 mod tests {
     use super::*;
 
+    fn disarm(sequence: u16) -> Request<'static> {
+        Request { sequence, session: 1, boot: 0, body: RequestBody::Disarm }
+    }
+
     #[test]
     fn the_last_ones_are_known_again_and_older_ones_are_not() {
         let mut carried_out = CarriedOut::default();
-        let mut has = |crc32| carried_out.has(&RequestBody::Disarm, crc32);
+        let mut has = |crc32| carried_out.has(&disarm(0), crc32);
         assert!(!has(0) && has(0));
         for crc32 in 1..=REMEMBERED as u32 {
             assert!(!has(crc32) && has(crc32));
         }
         assert!(!has(0), "forgotten");
+    }
+
+    #[test]
+    fn a_copy_is_known_among_the_next_requests_and_not_when_the_numbers_have_come_round() {
+        for first in [0, 40_000, u16::MAX] {
+            let mut carried_out = CarriedOut::default();
+            assert!(!carried_out.has(&disarm(first), 7));
+            let status = |sequence| Request { body: RequestBody::Status, ..disarm(sequence) };
+            for later in (0..FORGOTTEN_AFTER).map(|later| first.wrapping_add(later)) {
+                carried_out.has(&status(later), 0);
+            }
+            carried_out.has(&status(first.wrapping_sub(FORGOTTEN_AFTER - 1)), 0);
+            assert!(carried_out.has(&disarm(first), 7), "a late copy, after a late copy of an earlier request");
+            carried_out.has(&Request { session: 2, ..status(first.wrapping_add(FORGOTTEN_AFTER)) }, 0);
+            assert!(carried_out.has(&disarm(first), 7), "another session has numbers of its own");
+            carried_out.has(&status(first.wrapping_add(FORGOTTEN_AFTER)), 0);
+            assert!(!carried_out.has(&disarm(first), 7), "another request of the same number");
+        }
     }
 }

@@ -141,7 +141,7 @@ impl Server {
             }
             let len = match self.answered {
                 Some((answered, len)) if answered == crc32 => len,
-                _ if of_this_boot.is_some_and(|now| self.carried_out.has(&now.body, crc32)) => continue,
+                _ if of_this_boot.is_some_and(|now| self.carried_out.has(&now, crc32)) => continue,
                 _ => match answer(&request, drive, damaged, &mut self.talk, &mut self.reply) {
                     Some(len) => len,
                     None => continue,

@@ -40,6 +40,20 @@ fn an_arm_that_comes_late_a_second_time_does_not_follow_on_the_disarm() {
 }
 
 #[test]
+fn a_disarm_with_the_number_of_an_earlier_one_is_carried_out_when_the_numbers_have_come_round() {
+    let mut bench = Bench::referenced();
+    bench.done(RequestBody::Disarm);
+    let number = bench.sequence;
+    bench.done(ARM);
+    while bench.sequence.wrapping_add(1) != number {
+        bench.ask(RequestBody::Status);
+    }
+    assert!(matches!(bench.mode(), Mode::Armed));
+    bench.done(RequestBody::Disarm);
+    assert_eq!((bench.sequence, bench.mode()), (number, Mode::Disarmed));
+}
+
+#[test]
 fn what_only_reads_is_answered_as_often_as_it_is_asked() {
     let mut bench = Bench::referenced();
     let [status, motion] = [RequestBody::Status, RequestBody::Motion].map(|body| bench.frame(body));
