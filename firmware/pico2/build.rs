@@ -1,4 +1,4 @@
-//! Links with the script of cortex-m-rt, that of defmt if there is a log, and this board's memory.
+//! Links with the script of cortex-m-rt, that of defmt if it has a log, and this board's memory.
 
 fn main() {
     let folder = std::env::var("CARGO_MANIFEST_DIR").expect("cargo sets it");

@@ -37,6 +37,7 @@ const NUCLEO: Board = Board {
     image: "nucleo-f446",
     variants: &[
         Variant { features: &["plant-bus"], interrupts: &["DMA1_STREAM1"] },
+        Variant { features: &["log"], interrupts: &["TIM5"] },
         Variant { features: &[], interrupts: &["TIM5"] },
     ],
     flash_start: 0x0800_0000,

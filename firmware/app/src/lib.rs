@@ -30,6 +30,7 @@ pub mod flash_bus;
 pub mod inputs;
 pub mod lamp;
 pub mod lock_step;
+mod log;
 pub mod move_records;
 pub mod moves;
 pub mod name;

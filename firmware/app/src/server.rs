@@ -23,6 +23,7 @@ use requests::carry_out;
 use crate::board::Board;
 use crate::change::Parts;
 use crate::control::Control;
+use crate::log::tell_refusal;
 use crate::recorder::Recorder;
 use crate::repetition::CarriedOut;
 use crate::shared_drive::SharedDrive;
@@ -160,6 +161,11 @@ impl Server {
         let _ = digest(control, DIGEST_BETWEEN);
     }
 
+    /// Frames that were damaged on the line.
+    pub(crate) fn damaged_frames(&self) -> u32 {
+        self.accumulator.damaged
+    }
+
     /// The session that has asked last.
     #[must_use]
     pub fn session(&self) -> u32 {
@@ -221,5 +227,8 @@ fn answer(
             Reply { sequence: (*sequence)?, body: ReplyBody::Refused(Refused::Unknown) }
         }
     };
+    if let ReplyBody::Refused(refused) = &reply.body {
+        tell_refusal(refused);
+    }
     encode_reply(&reply, frame).map(<[u8]>::len)
 }

@@ -64,6 +64,7 @@ mod terminals;
 mod valve;
 mod watchdog;
 
+#[cfg(feature = "log")]
 use defmt_rtt as _;
 use pneudrive_app::Recorder;
 
@@ -120,7 +121,7 @@ mod app {
     fn idle(mut context: idle::Context) -> ! {
         loop {
             if context.local.talk.round(&mut context.shared.drive).is_err() {
-                defmt::error!("the fault log can't be stored before the next reset");
+                pneudrive_app::tell!(error, "the fault log can't be stored before the next reset");
             }
         }
     }

@@ -5,6 +5,7 @@ use pneudrive_app::fault_log::{Memory, Recovery, Restored};
 use pneudrive_app::runtime::reset::Reset;
 use pneudrive_app::storage::LayoutError;
 use pneudrive_app::store::FlashStore;
+use pneudrive_app::tell;
 use pneudrive_plan::nucleo::flash::layout;
 use stm32f4xx_hal::pac::{FLASH, GPIOA, RCC};
 use stm32f4xx_hal::rcc::{Config, Rcc, RccExt};
@@ -41,13 +42,13 @@ pub fn store(flash: FLASH, watchdog: Watchdog) -> Result<Store, LayoutError> {
     let memory = unsafe { reset::fault_memory() };
     let (store, recovery, restored) = FlashStore::take_up(KeptFlash::new(flash, watchdog), layout(), memory)?;
     match recovery {
-        Recovery::Lost => defmt::info!("fault log: none in memory"),
+        Recovery::Lost => tell!(info, "fault log: none in memory"),
         Recovery::Kept { events, damaged } => {
-            defmt::info!("fault log: {=usize} events in memory, {=usize} damaged", events, damaged);
+            tell!(info, "fault log: {=usize} events in memory, {=usize} damaged", events, damaged);
         }
     }
     if let Restored::Events(events) = restored {
-        defmt::info!("fault log: {=usize} events from flash", events);
+        tell!(info, "fault log: {=usize} events from flash", events);
     }
     Ok(store)
 }
@@ -58,7 +59,7 @@ pub fn take_up(control: &mut Control, board: &mut impl Board, reset: &Reset) {
         control.set_referenced().unwrap_or_else(|_| panic!("a new drive is disarmed"));
     }
     if let Some(fault) = reset.fault() {
-        defmt::error!("reset by fault {=u8}", fault.code());
+        tell!(error, "reset by fault {=u8}", fault.code());
         control.trip(fault);
     }
     control.take_up(board);

@@ -35,7 +35,6 @@ mod board;
 mod clock;
 mod encoder;
 mod flash;
-mod log;
 mod oscillators;
 mod port;
 mod reset;
@@ -103,7 +102,7 @@ mod app {
     fn idle(mut context: idle::Context) -> ! {
         loop {
             if context.local.talk.round(&mut context.shared.drive).is_err() {
-                crate::log::tell!(error, "the fault log can't be stored before the next reset");
+                pneudrive_app::tell!(error, "the fault log can't be stored before the next reset");
             }
         }
     }

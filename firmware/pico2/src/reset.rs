@@ -14,7 +14,7 @@ use pneudrive_app::fault_log::Memory;
 use pneudrive_app::runtime::reset::{CLOCK_FAILED, PANICKED, Reset, noted};
 use rp235x_hal::pac::{POWMAN, SIO};
 
-use crate::log::tell;
+use pneudrive_app::tell;
 use crate::scratch;
 
 /// The pin of `drive_enable`, which `start` makes an output.

@@ -18,7 +18,7 @@ use crate::board::{Pico2Board, Store};
 use crate::clock::{ControlTimer, Wait};
 use crate::encoder::Encoder;
 use crate::flash::KeptFlash;
-use crate::log::tell;
+use pneudrive_app::tell;
 use crate::oscillators::Sources;
 use crate::port::Port;
 use crate::scratch::KeptSpool;
