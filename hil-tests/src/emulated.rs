@@ -110,7 +110,7 @@ pub fn image() -> Result<&'static Path> {
 /// # Errors
 /// When it cannot be built.
 pub fn program() -> Result<PathBuf> {
-    Ok(built(&["--test", "shell"])?.join("pneudrive"))
+    Ok(built(&["--test", "pages"])?.join("pneudrive"))
 }
 
 /// The program that runs the test bodies on a board, built as [`program`].

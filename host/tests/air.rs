@@ -1,7 +1,5 @@
 //! The air of a record against that of the same run simulated.
 
-mod program;
-
 use std::path::Path;
 
 use pneudrive_evaluate::evaluation::{Air, Chambers, Motion, moves, moves_of_run};
@@ -14,7 +12,7 @@ use pneudrive_sim::{Accuracy, Rig, Run, run};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
-use program::{folder, ok, virtual_rig_of};
+use crate::program::{folder, ok, virtual_rig_of};
 
 /// The built-in rigs with a closed loop.
 const CLOSED: [&str; 9] = [

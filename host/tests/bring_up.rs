@@ -1,9 +1,8 @@
 //! `pneudrive device bring-up` on virtual rigs whose wires are right, and on those where one is not.
 
-mod program;
-
 use std::time::Duration;
 
+use crate::program::{folder, transcript};
 use anyhow::Result;
 use pneudrive_controller::Move;
 use pneudrive_controller::parameters::id;
@@ -15,7 +14,6 @@ use pneudrive_rigs::virtual_rig::{Background, Listener, Pace, VirtualRig};
 use pneudrive_rigs::wiring::{Wiring, WiringFault};
 use pneudrive_session::bring_up::{Check, Operator, Options, Report, Verdict, bring_up};
 use pneudrive_sim::Rig;
-use program::{folder, transcript};
 
 const FAST: Pace = Pace { fast: true, live: false };
 

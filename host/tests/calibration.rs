@@ -1,15 +1,12 @@
 //! Errors of scales, offsets and clock, which nobody tells a fit: its intervals hold what is true, or it names the error.
 
-mod hidden_rigs;
-mod program;
-
 use std::fs;
 use std::path::Path;
 
 use serde_json::Value;
 
-use hidden_rigs::rigs::EXACT;
-use program::{folder, recorded_with, transcript};
+use crate::hidden_rigs::rigs::EXACT;
+use crate::program::{folder, recorded_with, transcript};
 
 /// One stroke each way; the rig is as its file says, but for an error of its calibration.
 const STROKES: &str = "\

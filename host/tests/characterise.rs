@@ -1,12 +1,10 @@
 //! `pneudrive characterise`: what it leaves, and what it refuses.
 
-mod program;
-
 use std::fs;
 
 use pneudrive_thesis::characteristics::CURVES;
 
-use program::{exists, folder, ok, transcript};
+use crate::program::{exists, folder, ok, transcript};
 
 /// Rows of a CSV file below its header: graph, curve, x, value.
 fn rows(text: &str) -> Vec<Vec<String>> {

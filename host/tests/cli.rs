@@ -1,13 +1,11 @@
 //! The command line as a user meets it: what it prints, what it leaves, how it ends.
 
-mod program;
-
 use std::fs;
 use std::process::Command;
 
 use pneudrive_records::target::TargetFile;
 
-use program::{exists, folder, ok, transcript, unhurried_rig, virtual_rig, with_line};
+use crate::program::{exists, folder, ok, transcript, unhurried_rig, virtual_rig, with_line};
 
 #[test]
 fn the_demo_does_the_whole_job_and_numbers_its_records() {

@@ -2,8 +2,6 @@
 //! no more descriptors than a system may give them.
 #![cfg(unix)]
 
-mod program;
-
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
 use std::process::{Child, Command, Stdio};
@@ -13,7 +11,7 @@ use pneudrive_link::client::Client;
 use pneudrive_protocol::{MAX_FRAME, Mode, Request, RequestBody, encode};
 use serde_json::{Value, json};
 
-use program::unhurried_rig;
+use crate::program::unhurried_rig;
 
 const SECRET: &str = "correct-horse-battery-staple";
 

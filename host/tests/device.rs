@@ -1,12 +1,10 @@
 //! `pneudrive device` on a virtual rig: homing, stored configuration, fault log.
 
-mod program;
-
 use std::fs;
 #[cfg(unix)]
 use std::process::{Command, Stdio};
 
-use program::{folder, transcript, unhurried_rig, virtual_rig};
+use crate::program::{folder, transcript, unhurried_rig, virtual_rig};
 
 #[test]
 fn an_axis_that_is_homed_counts_from_its_stop() {

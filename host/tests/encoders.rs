@@ -1,12 +1,10 @@
 //! Drives with absolute encoders: homed from the start, run, recorded, simulated and replayed like any other.
 
-mod program;
-
 use std::fs;
 
+use crate::program::{folder, ok, transcript, virtual_rig_of};
 use pneudrive_records::run_folder::StoredRun;
 use pneudrive_sim::Rig;
-use program::{folder, ok, transcript, virtual_rig_of};
 
 /// The tuned drive B with another encoder.
 fn rig_text(encoder: &str, moves: &str) -> String {

@@ -1,14 +1,12 @@
 //! Each exit code of docs/exit-codes.md.
 
-mod program;
-
 use std::fs;
 use std::path::Path;
 
 use pneudrive::exit::{EXITS, help};
 use pneudrive_sim::Rig;
 
-use program::{folder, ok, pneudrive, transcript, unhurried_rig, virtual_rig, virtual_rig_of};
+use crate::program::{folder, ok, pneudrive, transcript, unhurried_rig, virtual_rig, virtual_rig_of};
 
 fn code(folder: &Path, arguments: &str) -> i32 {
     pneudrive(folder, arguments).status.code().expect("it was not killed")

@@ -1,7 +1,5 @@
 //! Files, units, ports and signals as other people and programs have them.
 
-mod program;
-
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -9,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use pneudrive_records::target::TargetFile;
 
-use program::{STROKES, folder, ok, recorded_with, transcript, unhurried_rig, virtual_rig};
+use crate::program::{STROKES, folder, ok, recorded_with, transcript, unhurried_rig, virtual_rig};
 
 fn fixture(name: &str) -> String {
     format!("{}/tests/fixtures/others/{name}", env!("CARGO_MANIFEST_DIR"))

@@ -4,8 +4,6 @@
 //! back, and append instead. A new parameter is another header line, a new figure another key of run.json or column of trace.csv,
 //! and files without it are read. Only what cannot be said so makes a version 2: then its reader stands beside that of version 1, and its fixture beside this one.
 
-mod program;
-
 use std::path::PathBuf;
 
 use pneudrive_evaluate::replay::replay;
@@ -57,7 +55,7 @@ fn a_stream_that_was_cut_is_read_with_a_note_of_what_nothing_covers() {
     let end = whole.find("# samples").expect("its end");
     for (text, note) in [(&whole[..], false), (&whole[..end], true)] {
         std::fs::write(folder.path().join("run.stream"), text).expect("written");
-        let printed = program::transcript(folder.path(), "replay run.stream");
+        let printed = crate::program::transcript(folder.path(), "replay run.stream");
         assert!(printed.ends_with("= 0"), "{printed}");
         assert_eq!(printed.contains("no checksum protects its samples"), note, "{printed}");
     }

@@ -1,10 +1,8 @@
 //! `pneudrive fmu` as a user meets it. What is in the FMU is tested by `cargo xtask test fmu`.
 
-mod program;
-
 use std::fs;
 
-use program::{exists, folder, ok, transcript};
+use crate::program::{exists, folder, ok, transcript};
 
 #[test]
 fn each_part_becomes_a_file_that_is_the_same_every_time() {

@@ -1,13 +1,11 @@
 //! `simulate --from`: a recorded run simulated again, and a simulated one gone on with.
 
-mod program;
-
 use std::fs;
 use std::path::Path;
 
 use serde_json::Value;
 
-use program::{folder, ok, transcript, virtual_rig};
+use crate::program::{folder, ok, transcript, virtual_rig};
 
 fn run_json(folder: &Path, run: &str) -> Value {
     let text = fs::read_to_string(folder.join(run).join("run.json")).expect("written");

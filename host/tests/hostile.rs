@@ -1,9 +1,6 @@
 //! A rig that lies, floods or falls silent costs a command its success, and nothing else: it ends soon, with a message and
 //! an exit code, in little memory, and nothing that the rig says moves the cursor of the terminal.
 
-mod hostile_rig;
-mod program;
-
 use std::fs::read_to_string;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
@@ -13,9 +10,9 @@ use std::time::{Duration, Instant};
 
 use pneudrive_records::target::TargetFile;
 
-use hostile_rig::HostileRig;
-use hostile_rig::lies::{self, Told};
-use program::{folder, ok, virtual_rig};
+use crate::hostile_rig::HostileRig;
+use crate::hostile_rig::lies::{self, Told};
+use crate::program::{folder, ok, virtual_rig};
 
 /// A command may not take longer.
 const LONGEST: Duration = Duration::from_secs(10);

@@ -1,7 +1,5 @@
 //! `pneudrive identify` as a user calls it.
 
-mod program;
-
 use std::fs;
 use std::path::Path;
 
@@ -9,7 +7,7 @@ use pneudrive_rigs::virtual_rig::{Background, Listener, Pace, VirtualRig};
 use pneudrive_sim::Rig;
 use pneudrive_sim::keys;
 
-use program::{STROKES as TEST, exists, folder, ok, recorded_with, transcript, with_line};
+use crate::program::{STROKES as TEST, exists, folder, ok, recorded_with, transcript, with_line};
 
 /// TARGET01.DAT of the test on a rig with another mass and viscous friction, next to its rig file.
 fn recorded(folder: &Path) {

@@ -1,10 +1,8 @@
 //! A valve is identified by its conductance, critical ratio and null: from a transient and from measured flows.
 
-mod program;
-
 use std::fs;
 
-use program::{STROKES as TEST, folder, ok, recorded_with};
+use crate::program::{STROKES as TEST, folder, ok, recorded_with};
 
 /// A valve by its data sheet, which leaks a little.
 const DATA_SHEET: &str = "\

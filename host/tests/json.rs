@@ -1,7 +1,5 @@
 //! `--json`: what every command that prints figures gives to programs, by the tables of docs/json.md.
 
-mod program;
-
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
@@ -10,7 +8,7 @@ use pneudrive::command::whole_command;
 use pneudrive::json::WITH_FIGURES;
 use serde_json::Value;
 
-use program::{folder, pneudrive, unhurried_rig, virtual_rig, with_line};
+use crate::program::{self, folder, pneudrive, unhurried_rig, virtual_rig, with_line};
 
 /// The fields of a command in docs/json.md, by their places: `moves[].rise_s` is of type `range`.
 fn documented(command: &str) -> BTreeMap<String, String> {

@@ -3,10 +3,6 @@
 //!
 //! Fifty kills each, or as many as `PNEUDRIVE_KILLS` says (`cargo xtask soak-link`).
 
-mod program;
-#[path = "../link/tests/simulated_link/mod.rs"]
-mod simulated_link;
-
 use std::collections::BTreeSet;
 use std::fs;
 use std::io::{Read, Write};
@@ -23,8 +19,8 @@ use pneudrive_records::target::TargetFile;
 use pneudrive_session::record::{Watch, to_folder, to_memory};
 use pneudrive_session::state;
 
-use program::{folder, ok, transcript, virtual_rig};
-use simulated_link::{Random, SimulatedRig, any_samples, cases};
+use crate::program::{folder, ok, transcript, virtual_rig};
+use crate::simulated_link::{Random, SimulatedRig, any_samples, cases};
 
 fn files(folder: &Path, ending: &str) -> Vec<PathBuf> {
     let entries = fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path());

@@ -1,14 +1,12 @@
 //! `export` and `import`: transients for other programs, and logs of other recorders.
 
-mod program;
-
 use std::fs;
 
 use pneudrive_records::target::TargetFile;
 use pneudrive_sim::{Rig, keys};
 use serde_json::Value;
 
-use program::{STROKES, folder, ok, transcript, virtual_rig};
+use crate::program::{STROKES, folder, ok, transcript, virtual_rig};
 
 /// A map of the columns that `export` writes of a record.
 const MAP: &str = r#"

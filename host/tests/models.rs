@@ -1,10 +1,8 @@
 //! The commands that need a model and no rig: `rig` and `simulate`, and what `eval` tells of their runs.
 
-mod program;
-
 use std::fs;
 
-use program::{exists, folder, ok, transcript};
+use crate::program::{exists, folder, ok, transcript};
 
 #[test]
 fn rig_check_names_file_line_and_key() {

@@ -1,9 +1,6 @@
 //! The sensor noise of a virtual rig, new in every run and repeatable; and rigs without noise and off level, identified as a
 //! user does it.
 
-mod hidden_rigs;
-mod program;
-
 use std::fs;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
@@ -12,8 +9,8 @@ use std::process::{Child, Command, Stdio};
 use pneudrive_records::target::TargetFile;
 use pneudrive_sim::Rig;
 
-use hidden_rigs::rigs::EXACT;
-use program::{folder, ok, transcript};
+use crate::hidden_rigs::rigs::EXACT;
+use crate::program::{folder, ok, transcript};
 
 /// Fifty samples of a drive that stands still.
 const TEST: &str = "servo-b-tuned --set test.moves=[[0.0,8192]] --set test.duration_s=0.065";

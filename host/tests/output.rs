@@ -1,8 +1,6 @@
 //! Standard output or standard error that breaks: no command panics, and a drive that moves is stopped.
 #![cfg(target_os = "linux")]
 
-mod program;
-
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
@@ -11,7 +9,7 @@ use std::time::{Duration, Instant};
 
 use pneudrive_rigs::virtual_rig::Background;
 
-use program::{folder, ok, transcript, unhurried_rig, virtual_rig};
+use crate::program::{folder, ok, transcript, unhurried_rig, virtual_rig};
 
 /// What becomes of a stream.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -2,6 +2,7 @@
 //!
 //! Needs Chromium, so `cargo xtask test web` runs it, and `cargo test --workspace` does not.
 
+#[allow(dead_code)] // It belongs to the other tests, which use the rest.
 mod program;
 
 use std::fs;

@@ -1,8 +1,6 @@
 //! A plan that is killed leaves nothing on the rig that the next one does not put right.
 #![cfg(unix)]
 
-mod program;
-
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
@@ -12,7 +10,7 @@ use pneudrive_controller::parameters::id;
 use pneudrive_link::client::Client;
 use pneudrive_protocol::Mode;
 
-use program::{folder, unhurried_rig};
+use crate::program::{folder, unhurried_rig};
 
 const PATIENCE: Duration = Duration::from_secs(20);
 

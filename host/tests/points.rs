@@ -1,10 +1,8 @@
 //! Ways through the points of a table, in the simulator and on a drive.
 
-mod program;
-
 use std::fs;
 
-use program::{folder, ok, transcript, virtual_rig};
+use crate::program::{folder, ok, transcript, virtual_rig};
 
 const WAY: &str = "time_s,position_mm\n0,100\n0.1,100\n0.35,130\n0.6,130\n";
 

@@ -1,9 +1,5 @@
 //! What serial ports are known for: each ends in an error that says what happened, or does no harm.
 
-mod program;
-#[path = "../link/tests/simulated_link/mod.rs"]
-mod simulated_link;
-
 use std::io::{self, Read, Write};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -13,7 +9,7 @@ use std::time::{Duration, Instant};
 use pneudrive_link::client::{Client, Pieces};
 use pneudrive_link::port::Wire;
 
-use simulated_link::{Random, SimulatedRig, any_samples};
+use crate::simulated_link::{Random, SimulatedRig, any_samples};
 
 /// What a client says of a port that is read so.
 fn printed_by(reader: impl Read + Send + 'static) -> String {
@@ -112,8 +108,8 @@ mod pty {
     use pneudrive_link::port;
     use pneudrive_rigs::virtual_rig::Background;
 
-    use super::program::{folder, transcript, virtual_rig_at};
     use super::*;
+    use crate::program::{folder, transcript, virtual_rig_at};
 
     fn rig_on_a_pty() -> Background {
         virtual_rig_at("servo-b-tuned", "pty")

@@ -1,14 +1,12 @@
 //! A drive without pressure sensors: run, recorded and looked at like any other, and no pressure of it is a number.
 
-mod program;
-
 use std::fs;
 use std::path::Path;
 
+use crate::program::{folder, ok, transcript, virtual_rig_of};
 use pneudrive_records::target::TargetFile;
 use pneudrive_rigs::virtual_rig::Background;
 use pneudrive_sim::Rig;
-use program::{folder, ok, transcript, virtual_rig_of};
 use serde_json::Value;
 
 /// A built-in rig without its pressure sensors.

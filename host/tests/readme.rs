@@ -1,8 +1,6 @@
 //! What docs/rigs.md says that the built-in rigs reach.
 
-mod program;
-
-use program::{folder, ok};
+use crate::program::{folder, ok};
 
 /// The cells of a rig in the table.
 fn stated(rig: &str) -> Vec<String> {

@@ -1,8 +1,5 @@
 //! An identification finds what a virtual rig hides, as exactly as it says; docs/identification.md has a hundred rigs.
 
-mod hidden_rigs;
-mod program;
-
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
@@ -15,10 +12,10 @@ use pneudrive_records::target::TargetFile;
 use pneudrive_sim::keys;
 use pneudrive_sim::{Accuracy, Rig};
 
-use hidden_rigs::Hidden;
-use hidden_rigs::coverage::{Coverage, held, spread};
-use hidden_rigs::rigs::{any_rig, lacking_rig, scaled_rig, shipped_rig};
-use program::folder;
+use crate::hidden_rigs::Hidden;
+use crate::hidden_rigs::coverage::{Coverage, held, spread};
+use crate::hidden_rigs::rigs::{any_rig, lacking_rig, scaled_rig, shipped_rig};
+use crate::program::folder;
 
 fn pneudrive() -> &'static Path {
     Path::new(env!("CARGO_BIN_EXE_pneudrive"))

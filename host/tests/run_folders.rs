@@ -2,10 +2,6 @@
 //!
 //! Sixty kills, or as many as `PNEUDRIVE_KILLS` says.
 
-mod program;
-#[path = "../link/tests/simulated_link/mod.rs"]
-mod simulated_link;
-
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
@@ -14,8 +10,8 @@ use std::time::{Duration, Instant};
 
 use pneudrive_records::run_folder::{IDENTITY, StoredRun};
 
-use program::{folder, ok, pneudrive};
-use simulated_link::{Random, cases};
+use crate::program::{folder, ok, pneudrive};
+use crate::simulated_link::{Random, cases};
 
 /// Two runs that nobody takes for each other; the second has no perturbed runs, and so no band.
 const RUNS: [&str; 2] = [

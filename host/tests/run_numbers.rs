@@ -1,14 +1,12 @@
 //! A run is known by its number, its date and its rig, and the run of another rig stays.
 
-mod program;
-
 use std::fs;
 use std::path::Path;
 use std::process::Command;
 
 use serde_json::Value;
 
-use program::{folder, ok, transcript};
+use crate::program::{folder, ok, transcript};
 
 const SHORT: &str = "--set test.duration_s=0.05 --ensemble 1 --no-report";
 

@@ -1,7 +1,5 @@
 //! The program in a shell: completions, manual pages, `--version`, and the commands that the documents show.
 
-mod program;
-
 use std::collections::BTreeSet;
 use std::fs;
 #[cfg(unix)]
@@ -13,7 +11,7 @@ use pneudrive::command::whole_command;
 use pneudrive_protocol::VERSION;
 use pneudrive_sim::rig::BUILTIN;
 
-use program::{folder, ok, transcript};
+use crate::program::{folder, ok, transcript};
 
 /// All subcommands as they are typed, such as "device config get".
 fn all_commands() -> Vec<String> {

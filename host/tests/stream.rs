@@ -1,9 +1,5 @@
 //! A run that is streamed: over a good line every sample is there, over a bad one each that is not is counted.
 
-mod program;
-#[path = "../link/tests/simulated_link/mod.rs"]
-mod simulated_link;
-
 use std::fs;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -13,9 +9,9 @@ use pneudrive_link::client::Client;
 use pneudrive_protocol::{Mode, StreamedSample, UNTIL_STOPPED};
 use pneudrive_sim::Rig;
 
-use simulated_link::{Faults, Random, SimulatedRig};
+use crate::simulated_link::{Faults, Random, SimulatedRig};
 
-use program::{folder, ok, transcript, virtual_rig};
+use crate::program::{folder, ok, transcript, virtual_rig};
 
 /// A run of 4 s on a rig at the end of a line, begun with its stream.
 fn started(rig: &SimulatedRig, every: u16) -> Client {

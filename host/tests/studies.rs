@@ -1,8 +1,6 @@
 //! What the studio's page finds is what the commands find, in every figure: the command line that the page shows, run with
 //! `--json` in a folder with the files that the page offers.
 
-mod program;
-
 use std::fs;
 use std::path::Path;
 use std::process::Command;
@@ -13,7 +11,7 @@ use pneudrive_page::study::{Audience, Study};
 use pneudrive_sim::rig::builtin;
 use serde_json::{Value, json};
 
-use program::{STROKES, folder, recorded_with};
+use crate::program::{STROKES, folder, recorded_with};
 
 /// What the page shows before, hears of, and finds.
 fn on_the_page(body: &Value) -> (Value, Vec<Value>, Value) {

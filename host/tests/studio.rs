@@ -1,7 +1,5 @@
 //! The studio as a program, and a drive that it has left moving.
 
-mod program;
-
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
 use std::process::{Child, Command, Stdio};
@@ -13,7 +11,7 @@ use pneudrive_protocol::Mode;
 use pneudrive_sim::rig::builtin;
 use serde_json::{Value, json};
 
-use program::{folder, transcript, unhurried_rig};
+use crate::program::{folder, transcript, unhurried_rig};
 
 /// A studio of its own process.
 struct Served {

@@ -1,14 +1,12 @@
 //! The application studies: what is found is told on the page and at the terminal, and the list of the documentation is
 //! that of the last whole run.
 
-mod program;
-
 use std::fs;
 
 use pneudrive_thesis::study::Verdict::{self, Agrees, Depends, Differs, Open};
 use pneudrive_thesis::study::{STARTS, STUDIES, Studied, index, page, run};
 
-use program::{exists, folder, ok, transcript};
+use crate::program::{exists, folder, ok, transcript};
 
 /// What the model shows, as docs/thesis.md and README have it. A change of the model that changes a
 /// verdict is told by the test below that runs all of them: find out why before a line is changed.

@@ -1,13 +1,11 @@
 //! `pneudrive sweep` and `merge`: the same result in every bit however it was run, and nothing lost.
 
-mod program;
-
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
-use program::{exists, folder, ok, transcript};
+use crate::program::{exists, folder, ok, transcript};
 
 /// Eight short runs, one of which cannot be and one of which trips.
 const SWEEP: &str = r#"

@@ -1,14 +1,12 @@
 //! The thesis, reproduced: its numbers are those of the golden file, and the command leaves them on a page.
 
-mod program;
-
 use std::fs;
 use std::path::Path;
 
 use pneudrive_thesis::study::STARTS;
 use pneudrive_thesis::{Exhibit, Experiment, exhibits, golden, run};
 
-use program::{exists, folder, ok, transcript};
+use crate::program::{exists, folder, ok, transcript};
 
 const GOLDEN: &str = include_str!("thesis.toml");
 

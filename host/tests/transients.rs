@@ -1,12 +1,10 @@
 //! `eval`, `overlay` and `spectrum` on records and run folders, whole and damaged.
 
-mod program;
-
 use std::fs;
 use std::path::Path;
 use std::sync::OnceLock;
 
-use program::{exists, folder, ok, pneudrive, transcript, virtual_rig, with_line};
+use crate::program::{exists, folder, ok, pneudrive, transcript, virtual_rig, with_line};
 
 /// The test that the record and the run folder hold: at rest, then a step at 0.3 s.
 const TEST: &str = "servo-b-tuned --set test.duration_s=0.45";

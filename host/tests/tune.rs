@@ -1,10 +1,8 @@
 //! `pneudrive tune`: what it leaves, and what it refuses.
 
-mod program;
-
 use std::fs;
 
-use program::{exists, folder, ok, transcript};
+use crate::program::{exists, folder, ok, transcript};
 
 /// Gains that any others are better than.
 const SHORT: &str = "tune servo-a --set controller.gain_profile=[65535] --settled 2 --overshoot 20 --population 3 --generations 2 --draws 5";

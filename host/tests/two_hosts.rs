@@ -3,10 +3,6 @@
 //! Ten pairs of runs and 150 cut imports, or as many as `PNEUDRIVE_PAIRS` and `PNEUDRIVE_IMPORTS` say
 //! (`cargo xtask soak-link`).
 
-mod program;
-#[path = "../link/tests/simulated_link/mod.rs"]
-mod simulated_link;
-
 use std::io::Write;
 use std::net::TcpStream;
 use std::path::Path;
@@ -21,8 +17,8 @@ use pneudrive_records::record::Record;
 use pneudrive_sim::Rig;
 use pneudrive_sim::rig::builtin;
 
-use program::{folder, ok, unhurried_rig, virtual_rig};
-use simulated_link::{Random, SimulatedRig, cases};
+use crate::program::{folder, ok, unhurried_rig, virtual_rig};
+use crate::simulated_link::{Random, SimulatedRig, cases};
 
 /// Two tests that share no setpoint but the first one.
 const TESTS: [(&str, [i32; 3]); 2] = [("outward", [8192, 12_000, 14_000]), ("inward", [8192, 7000, 5000])];

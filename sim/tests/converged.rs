@@ -1,9 +1,8 @@
 //! Closed loops drawn at random: a run that says it has converged is the one that a far finer integration gives.
 
-#[path = "drawn/mod.rs"]
-mod drawn;
-
 use pneudrive_sim::{Accuracy, Convergence, Rig, Run, check_convergence, run};
+
+use crate::drawn;
 
 /// m: what a converged run may be off by.
 const AGREES: f64 = 1e-5;

@@ -1,10 +1,10 @@
 //! Rigs at the edge of what anybody builds: they run, or the run ends by the name of what it went beyond.
 
-mod extreme;
-
 use std::time::{Duration, Instant};
 
 use pneudrive_sim::{Accuracy, IntegrationError, Rig, run};
+
+use crate::extreme;
 
 /// Seeds of rigs that take no long time; the example `extremes` draws more.
 const SEEDS: std::ops::RangeInclusive<u64> = 1..=24;

@@ -6,9 +6,9 @@ use crate::tally::Tally;
 
 /// The tests of the link, more often than CI has time for; they print their results.
 pub fn soak(tally: &mut Tally) {
-    let tests = ["--test", "faulty_link", "--test", "kills", "--test", "stream", "--test", "two_hosts"];
-    let packages = ["test", "--package", "pneudrive", "--package", "pneudrive-link"];
-    let arguments = [&packages[..], &tests, &["--", "--nocapture"]].concat();
+    let packages = ["test", "--package", "pneudrive", "--package", "pneudrive-link", "--test", "all"];
+    let tests = ["--", "--nocapture", "faulty_link::", "kills::", "stream::", "two_hosts::"];
+    let arguments = [&packages[..], &tests].concat();
     tally.check("soak of the link", || {
         let mut command = in_root(&arguments);
         command.env("PNEUDRIVE_DOWNLOADS", "100000").env("PNEUDRIVE_KILLS", "1000");

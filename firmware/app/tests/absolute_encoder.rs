@@ -1,8 +1,6 @@
 //! A drive with an absolute encoder is homed when it starts, whatever was before.
 
-mod flash_drive;
-
-use flash_drive::Drive;
+use crate::flash_drive::Drive;
 use pneudrive_app::ram_flash::RamFlash;
 use pneudrive_controller::parameters::id;
 use pneudrive_controller::{Fault, Mode, Refusal};

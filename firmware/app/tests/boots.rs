@@ -1,10 +1,8 @@
 //! The number of a boot is that of no other one, whatever ended the one before.
 
-mod nor_flash;
-
 use std::ops::Range;
 
-use nor_flash::{Flash, SECTOR, TEARS, Tear, TornWord};
+use crate::nor_flash::{Flash, SECTOR, TEARS, Tear, TornWord};
 use pneudrive_app::fault_log::{FaultLog, FaultStore, MEMORY_BYTES, Memory};
 use proptest::prelude::*;
 

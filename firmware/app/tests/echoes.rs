@@ -1,8 +1,6 @@
 //! A line that is coupled into itself brings back to the rig what the rig has said. Nothing of it is a request.
 
-mod bench;
-
-use bench::{ARM, Bench};
+use crate::bench::{ARM, Bench};
 use pneudrive_app::App;
 use pneudrive_controller::{Fault, Mode};
 use pneudrive_protocol::RequestBody;

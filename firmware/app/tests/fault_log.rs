@@ -1,10 +1,8 @@
 //! The fault log through resets, damage of its memory, and power cuts.
 
-mod nor_flash;
-
 use std::ops::Range;
 
-use nor_flash::{Flash, SECTOR, TEARS, record};
+use crate::nor_flash::{self, Flash, SECTOR, TEARS, record};
 use pneudrive_app::fault_log::{
     EVENTS, Event, FaultLog, FaultStore, MEMORY_BYTES, Memory, Recovery, Restored,
 };

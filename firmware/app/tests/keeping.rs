@@ -1,8 +1,6 @@
 //! What a board keeps: a configuration through a reset, a fault through it, what was learned of the null.
 
-mod flash_drive;
-
-use flash_drive::{Drive, stepper_that_has_learned};
+use crate::flash_drive::{Drive, stepper_that_has_learned};
 use pneudrive_app::configuration::Source;
 use pneudrive_app::ram_flash::RamFlash;
 use pneudrive_app::store::Store;

@@ -1,8 +1,6 @@
 //! Copies of requests that come after a reset of the drive: none may arm, move or change it.
 
-mod bench;
-
-use bench::Bench;
+use crate::bench::Bench;
 use pneudrive_app::App;
 use pneudrive_controller::parameters::id;
 use pneudrive_controller::{Command, Mode};

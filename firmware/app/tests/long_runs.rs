@@ -1,8 +1,6 @@
 //! Tests that last long: longer than their microseconds can be counted, round after round, until they are stopped.
 
-mod bench;
-
-use bench::{ARM, Bench, change};
+use crate::bench::{ARM, Bench, change};
 use pneudrive_controller::parameters::id;
 use pneudrive_controller::{Mode, Refusal};
 use pneudrive_protocol::change::Entry;

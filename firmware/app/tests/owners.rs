@@ -1,8 +1,6 @@
 //! Two hosts at one drive: the one that has armed it commands, the others read and stop.
 
-mod bench;
-
-use bench::Bench;
+use crate::bench::Bench;
 use pneudrive_controller::{Command, Fault, Mode, Refusal};
 use pneudrive_protocol::{ReplyBody, RequestBody, code};
 

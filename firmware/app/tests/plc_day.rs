@@ -1,11 +1,8 @@
 //! A day of a PLC: twenty thousand starts and stops through the digital inputs, without the pauses between them. Nothing
 //! moves unasked, whatever the contacts do, and the flash is not worn out.
 
-mod nor_flash;
-mod plc;
-
-use plc::oracle::Oracle;
-use plc::{CYCLE, Event, Machine, PERIOD_US, Random, cycle};
+use crate::plc::oracle::Oracle;
+use crate::plc::{CYCLE, Event, Machine, PERIOD_US, Random, cycle};
 use pneudrive_app::inputs::attend;
 use pneudrive_controller::{Command, Fault, Mode};
 use pneudrive_protocol::ProfiledMove;

@@ -1,8 +1,6 @@
 //! What the recorder keeps of a run and of the time before it, on a scripted board.
 
-mod bench;
-
-use bench::{ARM, Bench};
+use crate::bench::{ARM, Bench};
 use pneudrive_controller::Mode;
 use pneudrive_controller::parameters::id;
 use pneudrive_protocol::{Refused, ReplyBody, RequestBody, Values};

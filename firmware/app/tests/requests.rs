@@ -1,8 +1,6 @@
 //! Every request with its reply, on a scripted board.
 
-mod bench;
-
-use bench::{ARM, Bench};
+use crate::bench::{ARM, Bench};
 use pneudrive_controller::parameters::{TABLE, id};
 use pneudrive_controller::{Command, Fault, Mode, Refusal};
 use pneudrive_protocol::change::Entry;

@@ -1,8 +1,6 @@
 //! The control goes on between the pieces of a request: what a request reads is of one state, and what it changes is whole.
 
-mod bench;
-
-use bench::{ARM, Bench, FakeBoard};
+use crate::bench::{ARM, Bench, FakeBoard};
 use pneudrive_app::{Control, Recorder, SharedDrive};
 use pneudrive_controller::parameters::id;
 use pneudrive_controller::{Config, Mode};

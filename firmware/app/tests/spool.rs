@@ -1,8 +1,6 @@
 //! The spool of a stepper valve, which nothing measures: through changes of the drive stage, resets and power cuts.
 
-mod flash_drive;
-
-use flash_drive::stepper_that_has_learned;
+use crate::flash_drive::stepper_that_has_learned;
 use pneudrive_app::control::{ChangeError, TakeError};
 use pneudrive_controller::Refusal;
 use pneudrive_controller::drive::SpoolLocation;

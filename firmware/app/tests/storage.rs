@@ -1,11 +1,9 @@
 //! What the stored configuration promises while the power is on: format, migration, damage.
 
-mod nor_flash;
-
 use std::ops::Range;
 
+use crate::nor_flash::{Flash, SECTOR, crc32, record};
 use embedded_storage::nor_flash::NorFlash;
-use nor_flash::{Flash, SECTOR, crc32, record};
 use pneudrive_app::move_records::MoveRecords;
 use pneudrive_app::storage::{
     ConfigStore, FORMAT, LayoutError, Load, Outcome, Report, SaveError, configuration_hash,

@@ -1,10 +1,8 @@
 //! A power cut at any operation of a save leaves the old configuration or the new one, never neither.
 
-mod nor_flash;
-
 use std::ops::Range;
 
-use nor_flash::{Flash, SECTOR, TEARS, Tear, record};
+use crate::nor_flash::{Flash, SECTOR, TEARS, Tear, record};
 use pneudrive_app::move_records::MoveRecords;
 use pneudrive_app::storage::{ConfigStore, Outcome};
 use pneudrive_controller::Parameters;

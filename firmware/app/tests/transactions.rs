@@ -1,8 +1,6 @@
 //! Parameters and a test are taken whole or not at all, and a start names them.
 
-mod bench;
-
-use bench::{Bench, change};
+use crate::bench::{Bench, change};
 use pneudrive_controller::parameters::id;
 use pneudrive_controller::{Mode, Refusal};
 use pneudrive_protocol::change::{Entry, start_crc32, test_crc32};

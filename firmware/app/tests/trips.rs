@@ -1,8 +1,6 @@
 //! What trips an enabled drive at its very next output: a stop, lateness, a silent host. On a scripted board.
 
-mod bench;
-
-use bench::{ARM, Bench};
+use crate::bench::{ARM, Bench};
 use pneudrive_controller::{Command, Fault, Mode};
 use pneudrive_protocol::RequestBody;
 

@@ -1,10 +1,8 @@
 //! The trial of the watchdog: who may ask for it, and that nothing feeds the watchdog from then on.
 
-mod bench;
-
 use core::convert::Infallible;
 
-use bench::{ARM, Bench, FakeBoard};
+use crate::bench::{ARM, Bench, FakeBoard};
 use embedded_io::{ErrorType, Write};
 use pneudrive_app::runtime::talk::{Port, Served, Talk, Watchdog};
 use pneudrive_app::{Control, Recorder};

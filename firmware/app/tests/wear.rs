@@ -1,10 +1,7 @@
 //! How often the flash is erased: a machine that runs for years must not wear it out.
 
-mod flash_drive;
-mod nor_flash;
-
-use flash_drive::Drive;
-use nor_flash::{Flash, SECTOR};
+use crate::flash_drive::Drive;
+use crate::nor_flash::{Flash, SECTOR};
 use pneudrive_app::fault_log::{FaultLog, FaultStore, MEMORY_BYTES, Restored};
 use pneudrive_app::ram_flash::RamFlash;
 use pneudrive_controller::parameters::id;

@@ -1,8 +1,6 @@
 //! A drive without a PC: its digital inputs begin move records, its outputs say how that goes, and it has one owner.
 
-mod bench;
-
-use bench::Bench;
+use crate::bench::Bench;
 use pneudrive_app::inputs::attend;
 use pneudrive_controller::parameters::id;
 use pneudrive_controller::{Fault, Mode, Refusal};

@@ -1,13 +1,10 @@
 //! The LS7366R against its data sheet: LSI/CSI 7366R-122205, "32-bit quadrature counter with serial interface", the
 //! registers MDR0 and MDR1, and Table 1 (instructions).
 
-mod chip_bus;
-mod failing_bus;
-
-use chip_bus::{Frame, NO_WAIT, exchange};
+use crate::chip_bus::{Frame, NO_WAIT, exchange};
+use crate::failing_bus::FailingBus;
 use embedded_hal::spi::ErrorKind;
 use embedded_hal_mock::eh1::spi::Mock;
-use failing_bus::FailingBus;
 use pneudrive_interfaces::EncoderCounter;
 use pneudrive_interfaces::chip::ChipError;
 use pneudrive_interfaces::chip::ls7366r::{Ls7366r, TIMES};

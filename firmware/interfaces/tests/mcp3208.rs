@@ -1,14 +1,11 @@
 //! The MCP3208 against its data sheet: Microchip DS21298, "2.7V 4-Channel/8-Channel 12-Bit A/D Converters with SPI
 //! Serial Interface", Table 5-2 (channels) and Figure 6-1 (frames of eight bits).
 
-mod chip_bus;
-mod failing_bus;
-
-use chip_bus::{Frame, NO_WAIT, exchange};
+use crate::chip_bus::{Frame, NO_WAIT, exchange};
+use crate::failing_bus::FailingBus;
 use embedded_hal::spi::ErrorKind;
 use embedded_hal_mock::eh1::delay::{CheckedDelay, Transaction as Wait};
 use embedded_hal_mock::eh1::spi::{Mock, Transaction};
-use failing_bus::FailingBus;
 use pneudrive_interfaces::chip::ChipError;
 use pneudrive_interfaces::chip::mcp3208::{Mcp3208, TIMES};
 use pneudrive_interfaces::{Conversions, PressureInput};

@@ -1,12 +1,9 @@
 //! The MCP4922 against its data sheet: Microchip DS21897, "12-Bit DAC with SPI Interface", Register 5-1.
 
-mod chip_bus;
-mod failing_bus;
-
-use chip_bus::{NO_WAIT, exchange};
+use crate::chip_bus::{NO_WAIT, exchange};
+use crate::failing_bus::FailingBus;
 use embedded_hal::spi::ErrorKind;
 use embedded_hal_mock::eh1::spi::Mock;
-use failing_bus::FailingBus;
 use pneudrive_interfaces::ValveOutput;
 use pneudrive_interfaces::chip::ChipError;
 use pneudrive_interfaces::chip::mcp4922::{Channel, Mcp4922, TIMES};

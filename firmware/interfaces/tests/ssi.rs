@@ -1,11 +1,9 @@
 //! Absolute encoders against the description of their interface: Posital, "SSI", single transmission. A reading is the
 //! level at rest (1), the position from its most significant bit on, and a 0.
 
-mod failing_bus;
-
+use crate::failing_bus::FailingBus;
 use embedded_hal::spi::ErrorKind;
 use embedded_hal_mock::eh1::spi::{Mock, Transaction};
-use failing_bus::FailingBus;
 use pneudrive_interfaces::EncoderCounter;
 use pneudrive_interfaces::chip::ChipError;
 use pneudrive_interfaces::chip::ssi::{Coding, MAX_BITS, SsiEncoder};

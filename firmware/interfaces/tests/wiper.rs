@@ -1,13 +1,10 @@
 //! A potentiometer at an MCP3208, against the converter's data sheet: Microchip DS21298, Table 5-2 and Figure 6-1.
 
-mod chip_bus;
-mod failing_bus;
-
-use chip_bus::{NO_WAIT, exchange};
+use crate::chip_bus::{NO_WAIT, exchange};
+use crate::failing_bus::FailingBus;
 use embedded_hal::spi::ErrorKind;
 use embedded_hal_mock::eh1::delay::NoopDelay;
 use embedded_hal_mock::eh1::spi::Mock;
-use failing_bus::FailingBus;
 use pneudrive_interfaces::EncoderCounter;
 use pneudrive_interfaces::chip::ChipError;
 use pneudrive_interfaces::chip::mcp3208::TIMES;

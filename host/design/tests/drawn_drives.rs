@@ -1,9 +1,6 @@
 //! Drives of one's own drawn at random: each runs, or is refused by the answer that is wrong, with answers that make a rig.
 
-mod drawn;
-mod outcome;
-
-use outcome::{Outcome, outcome};
+use crate::outcome::{Outcome, outcome};
 
 #[test]
 fn a_drawn_drive_runs_or_is_refused_with_answers_that_make_a_rig() {

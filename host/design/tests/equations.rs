@@ -1,8 +1,7 @@
 //! Part I of docs/EQUATIONS.md is all that one has to know of a drive by its data sheets: a program written from it alone
 //! comes to the same transients.
 
-mod drawn;
-mod independent;
+use crate::independent;
 
 #[test]
 fn a_program_written_from_the_equations_alone_simulates_the_same_drives() {

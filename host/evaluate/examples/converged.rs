@@ -5,6 +5,8 @@
 //! cargo run --release -p pneudrive-evaluate --example converged -- [PAIRS] [FIRST DRAW]
 //! ```
 
+#[path = "../tests/own_drives/mod.rs"]
+mod own_drives;
 #[path = "../tests/pairs/mod.rs"]
 mod pairs;
 

@@ -5,6 +5,8 @@
 //! friction and with LuGre friction. Each is simulated for 12 s after the step; its records of 1 s to 3 s are held
 //! against all of it.
 
+#[path = "../tests/own_drives/mod.rs"]
+mod own_drives;
 #[path = "../tests/watched/mod.rs"]
 mod watched;
 

@@ -1,11 +1,9 @@
 //! A run that says it has converged is the one that a far finer integration by another method gives.
 
-#[path = "pairs/mod.rs"]
-mod pairs;
-
-use pairs::drawn::Drawn;
-use pairs::{KINDS, PARTED_M, Pair, drawn_rig};
 use pneudrive_sim::{Accuracy, Method, Rig};
+
+use crate::pairs::drawn::Drawn;
+use crate::pairs::{KINDS, PARTED_M, Pair, drawn_rig};
 
 /// Its errors grow 5,000-fold over its test, and at 1e-11 and at 1e-13 they are nearly the same by chance.
 #[test]

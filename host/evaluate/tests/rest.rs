@@ -1,12 +1,10 @@
 //! A drive that is judged to rest does not move later.
 
-#[path = "watched/mod.rs"]
-mod watched;
-
 use pneudrive_evaluate::evaluation::{Doubt, LimitCycle};
 use pneudrive_evaluate::transient::Transient;
 use pneudrive_sim::Rig;
-use watched::{Kind, MOVES_MM, STEP_S, WATCHED_S, moves_later_mm, stepping, verdict};
+
+use crate::watched::{self, Kind, MOVES_MM, STEP_S, WATCHED_S, moves_later_mm, stepping, verdict};
 
 fn case(name: &str, text: &str) -> Transient {
     let duration = format!("test.duration_s={:?}", STEP_S + WATCHED_S);

@@ -1,12 +1,10 @@
 //! A line that is coupled into itself: each side hears what it says, too. Neither takes it for the other one's.
 
-mod simulated_link;
-
 use pneudrive_controller::Parameters;
 use pneudrive_controller::parameters::id;
 use pneudrive_protocol::Mode;
 
-use simulated_link::{Random, SimulatedRig, any_samples};
+use crate::simulated_link::{Random, SimulatedRig, any_samples};
 
 #[test]
 fn a_change_that_is_refused_is_not_taken_as_done_for_its_own_echo() {

@@ -3,15 +3,13 @@
 //!
 //! A thousand downloads, or as many as `PNEUDRIVE_DOWNLOADS` says (`cargo xtask soak-link`).
 
-mod simulated_link;
-
 use std::time::Duration;
 
 use pneudrive_protocol::RecordedSample;
 use proptest::prelude::*;
 use proptest::test_runner::{Config, TestRunner};
 
-use simulated_link::{Faults, Random, SimulatedRig, any_samples, cases};
+use crate::simulated_link::{Faults, Random, SimulatedRig, any_samples, cases};
 
 #[derive(Clone, Debug)]
 struct Case {

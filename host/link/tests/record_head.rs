@@ -1,11 +1,9 @@
 //! The head of a record whose CRC the rig does not come to the end of.
 
-mod simulated_link;
-
 use anyhow::bail;
 use pneudrive_protocol::{RecordInfo, ReplyBody, Request, RequestBody};
 
-use simulated_link::SimulatedRig;
+use crate::simulated_link::SimulatedRig;
 
 /// Says of its record that it is not complete, whenever it is asked.
 fn never_complete(request: &Request<'_>) -> Option<ReplyBody<'static>> {

@@ -1,14 +1,12 @@
 //! A host whose answers are lost still lives; one whose requests a gateway repeats may be dead.
 
-mod simulated_link;
-
 use std::time::Duration;
 
 use pneudrive_controller::{Fault, Mode};
 use pneudrive_link::client::Client;
 use pneudrive_sim::Rig;
 
-use simulated_link::{Random, SimulatedRig, any_samples};
+use crate::simulated_link::{Random, SimulatedRig, any_samples};
 
 /// A drive that runs a test of ten seconds for this client, and trips once it has missed it for 0.5 s.
 fn moving() -> (SimulatedRig, Client) {

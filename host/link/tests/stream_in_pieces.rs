@@ -1,13 +1,11 @@
 //! A stream that is taken piece by piece, by a program that does other things meanwhile.
 
-mod simulated_link;
-
 use pneudrive_link::client::Client;
 use pneudrive_link::stream::Arrivals;
 use pneudrive_protocol::{Mode, StreamedSample};
 use pneudrive_sim::Rig;
 
-use simulated_link::{Faults, Random, SimulatedRig};
+use crate::simulated_link::{Faults, Random, SimulatedRig};
 
 /// All rows of a run of 1 s that is looked at between the pieces, and how many were lost.
 fn streamed(rig: &SimulatedRig) -> (Client, Vec<StreamedSample>, u64) {

@@ -1,13 +1,11 @@
 //! A PC and a rig of different versions: what works goes on, what does not is refused by name.
 
-mod simulated_link;
-
 use pneudrive_controller::Parameters;
 use pneudrive_controller::parameters::{TABLE, id};
 use pneudrive_protocol::{Refused, ReplyBody, Request, RequestBody, VERSION};
 use pneudrive_records::target::TargetFile;
 
-use simulated_link::{Random, SimulatedRig, Simulation, any_samples};
+use crate::simulated_link::{self, Random, SimulatedRig, Simulation, any_samples};
 
 fn info(version: u16) -> ReplyBody<'static> {
     let (firmware, build, board) = ("pneudrive 0.0.9", "b", "a board");

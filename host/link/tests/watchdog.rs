@@ -1,7 +1,5 @@
 //! The trial of a watchdog, as a client asks for it.
 
-mod simulated_link;
-
 use std::time::Duration;
 
 use anyhow::bail;
@@ -9,7 +7,7 @@ use pneudrive_controller::Fault;
 use pneudrive_link::client::Trial;
 use pneudrive_protocol::Mode;
 
-use simulated_link::{SimulatedRig, Simulation};
+use crate::simulated_link::{SimulatedRig, Simulation};
 
 /// Longer than any test waits.
 const LONG: Duration = Duration::from_secs(600);

@@ -2,6 +2,7 @@
 //!
 //! Needs Chromium and the folder that `cargo xtask web` makes (`PNEUDRIVE_WEB`), so `cargo xtask test web` runs it.
 
+#[allow(dead_code)] // It belongs to the tests of the studio, which use the rest.
 #[path = "../../studio/tests/chromium/mod.rs"]
 mod chromium;
 

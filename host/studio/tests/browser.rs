@@ -2,9 +2,6 @@
 //!
 //! Needs Chromium, so `cargo xtask test web` runs it, and `cargo test --workspace` does not.
 
-mod chromium;
-mod opened;
-
 use std::fs;
 
 use pneudrive_rigs::virtual_rig::{Background, Listener, Pace, VirtualRig};
@@ -12,8 +9,10 @@ use pneudrive_sim::Rig;
 use pneudrive_sim::rig::builtin;
 use serde_json::json;
 
-use chromium::Browser;
-use opened::{drop_file, hold, hold_nothing, keep_picture, page, page_of, page_with, rest, run_the_test};
+use crate::chromium::Browser;
+use crate::opened::{
+    drop_file, hold, hold_nothing, keep_picture, page, page_of, page_with, rest, run_the_test,
+};
 
 /// The field of the moving mass.
 const MASS: &str = "[data-key=\"load.mass_kg\"]";

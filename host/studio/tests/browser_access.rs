@@ -2,16 +2,13 @@
 //!
 //! Needs Chromium and axe-core (`PNEUDRIVE_AXE`, its `axe.min.js`), so `cargo xtask test web` runs it.
 
-mod chromium;
-mod opened;
-
 use pneudrive_rigs::virtual_rig::{Background, Listener, Pace, VirtualRig};
 use pneudrive_sim::Rig;
 use pneudrive_sim::rig::builtin;
 use serde_json::{Value, json};
 
-use chromium::Browser;
-use opened::page_with;
+use crate::chromium::Browser;
+use crate::opened::page_with;
 
 /// Violations that keep somebody out.
 const SERIOUS: [&str; 2] = ["serious", "critical"];

@@ -2,9 +2,6 @@
 //!
 //! Needs Chromium, so `cargo xtask test web` runs it, and `cargo test --workspace` does not.
 
-mod chromium;
-mod opened;
-
 use pneudrive_controller::parameters::id;
 use pneudrive_link::client::Client;
 use pneudrive_protocol::Mode;
@@ -14,8 +11,8 @@ use pneudrive_sim::Rig;
 use pneudrive_sim::rig::builtin;
 use serde_json::json;
 
-use chromium::Browser;
-use opened::{drop_file, keep_picture, leave_unknown, page_with, rest, run_the_test};
+use crate::chromium::Browser;
+use crate::opened::{drop_file, keep_picture, leave_unknown, page_with, rest, run_the_test};
 
 /// A page that commands a virtual rig in real time, and the wires of that.
 fn commanding(name: &str) -> (Browser, Background, Wiring) {

@@ -2,10 +2,6 @@
 //!
 //! Needs Chromium, so `cargo xtask test web` runs it, and `cargo test --workspace` does not.
 
-mod chromium;
-mod opened;
-mod simulated;
-
 use pneudrive_design::difference::differences;
 use pneudrive_evaluate::channel::Channel;
 use pneudrive_evaluate::spectrum::{Spectrum, Window};
@@ -15,9 +11,9 @@ use pneudrive_records::target::TargetFile;
 use pneudrive_sim::{Accuracy, Rig, run};
 use serde_json::{Value, json};
 
-use chromium::Browser;
-use opened::{choose_path, drop_file, drop_path, hold, hold_nothing, keep_picture, page, rest};
-use simulated::simulate;
+use crate::chromium::Browser;
+use crate::opened::{choose_path, drop_file, drop_path, hold, hold_nothing, keep_picture, page, rest};
+use crate::simulated::simulate;
 
 /// A record of a virtual rig whose true values differ from the file's.
 const RECORD: &str = include_str!("../../tests/fixtures/TARGET-1.DAT");

@@ -2,9 +2,6 @@
 //!
 //! Needs Chromium, so `cargo xtask test web` runs it, and `cargo test --workspace` does not.
 
-mod chromium;
-mod opened;
-
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
@@ -15,8 +12,8 @@ use pneudrive_sim::Rig;
 use pneudrive_sim::rig::builtin;
 use serde_json::json;
 
-use chromium::Browser;
-use opened::{page, page_with};
+use crate::chromium::Browser;
+use crate::opened::{page, page_with};
 
 /// No machine is so slow.
 const PATIENCE: Duration = Duration::from_secs(30);

@@ -4,9 +4,6 @@
 //! Needs Chromium, so `cargo xtask test web` runs it, and `cargo test --workspace` does not. With `PNEUDRIVE_SHOTS=FOLDER`
 //! it writes the picture of docs/studio.md there.
 
-mod chromium;
-mod opened;
-
 use std::thread::sleep;
 use std::time::Duration;
 
@@ -20,8 +17,8 @@ use pneudrive_sim::Rig;
 use pneudrive_sim::rig::builtin;
 use serde_json::json;
 
-use chromium::Browser;
-use opened::{drop_file, hold, hold_nothing, keep_picture, leave_unknown, page, page_of, rest};
+use crate::chromium::Browser;
+use crate::opened::{drop_file, hold, hold_nothing, keep_picture, leave_unknown, page, page_of, rest};
 
 /// The view of studies, with this task.
 fn open_task(page: &mut Browser, task: &str) {

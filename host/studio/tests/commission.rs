@@ -1,8 +1,5 @@
 //! A virtual rig moved from a page, and what becomes of it when the page goes.
 
-mod commanding;
-mod visitor;
-
 use std::net::TcpListener;
 use std::time::{Duration, Instant};
 
@@ -12,8 +9,8 @@ use pneudrive_link::client::Client;
 use pneudrive_protocol::Mode;
 use serde_json::{Value, json};
 
-use commanding::{Page, request, rig, rig_at_rest, rig_of_page, runtime, status, wait_for_mode};
-use visitor::studio_at;
+use crate::commanding::{Page, request, rig, rig_at_rest, rig_of_page, runtime, status, wait_for_mode};
+use crate::visitor::studio_at;
 
 #[test]
 fn one_page_commands_and_a_second_one_is_refused_until_it_has_gone() {

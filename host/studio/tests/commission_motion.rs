@@ -1,8 +1,5 @@
 //! The page moves no more than it says, and for no longer than it is there.
 
-mod commanding;
-mod visitor;
-
 use std::time::{Duration, Instant};
 
 use axum::http::StatusCode;
@@ -14,8 +11,8 @@ use pneudrive_studio::Studio;
 use serde_json::{Value, json};
 use tokio::runtime::Runtime;
 
-use commanding::{Page, rig, rig_of_page, rig_with, runtime, status};
-use visitor::studio_at;
+use crate::commanding::{Page, rig, rig_of_page, rig_with, runtime, status};
+use crate::visitor::studio_at;
 
 /// What a count of the built-in rig is, mm.
 const MM: f64 = 0.01205;

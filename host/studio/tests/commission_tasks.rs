@@ -1,8 +1,5 @@
 //! What a page asks of a drive and waits for: parameters, the record, a bring-up. And the samples that it is told.
 
-mod commanding;
-mod visitor;
-
 use std::time::{Duration, Instant};
 
 use axum::http::StatusCode;
@@ -12,8 +9,8 @@ use pneudrive_protocol::Mode;
 use pneudrive_records::target::TargetFile;
 use serde_json::{Value, json};
 
-use commanding::{Page, rig, rig_of, rig_of_page, runtime, status, wait_for_mode};
-use visitor::studio_at;
+use crate::commanding::{Page, rig, rig_of, rig_of_page, runtime, status, wait_for_mode};
+use crate::visitor::studio_at;
 
 /// Reads of the drive and keeps the page alive until it is as told; the last line.
 fn wait_alive(page: &mut Page<'_>, mut what: impl FnMut(&Value) -> bool) -> Value {

@@ -1,8 +1,5 @@
 //! A rig checked, simulated and saved.
 
-mod simulated;
-mod visitor;
-
 use std::fs;
 
 use axum::http::{Method, StatusCode};
@@ -14,8 +11,8 @@ use pneudrive_records::target::TargetFile;
 use pneudrive_sim::{Accuracy, Rig, run};
 use serde_json::{Value, json};
 
-use simulated::simulate;
-use visitor::{ask_as_page, post_rig, studio, studio_with};
+use crate::simulated::simulate;
+use crate::visitor::{self, ask_as_page, post_rig, studio, studio_with};
 
 /// Head, times, and the columns by name.
 fn columns(bytes: &[u8]) -> (Value, Vec<f64>, impl Fn(&str) -> Vec<f32> + use<>) {

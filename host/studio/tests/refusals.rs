@@ -1,13 +1,11 @@
 //! Whom the studio refuses.
 
-mod visitor;
-
 use axum::http::{Method, StatusCode};
 use pneudrive_studio::guard::{MAX_BYTES, MAX_BYTES_OF_RECORD};
 use pneudrive_studio::token::Token;
 use pneudrive_studio::{Opened, Options, Studio};
 
-use visitor::{TOKEN, ask, ask_as_page, studio};
+use crate::visitor::{TOKEN, ask, ask_as_page, studio};
 
 /// Every route behind the token.
 const ROUTES: [(&str, &str); 17] = [

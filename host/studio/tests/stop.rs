@@ -1,8 +1,5 @@
 //! A stop waits for nothing else that the studio does.
 
-mod visitor;
-mod wire;
-
 use std::io::{ErrorKind, Read};
 
 use pneudrive_link::client::Client;
@@ -12,8 +9,8 @@ use pneudrive_sim::Rig;
 use pneudrive_sim::rig::builtin;
 use serde_json::json;
 
-use visitor::studio_at;
-use wire::{asked, status};
+use crate::visitor::studio_at;
+use crate::wire::{asked, status};
 
 /// A test of the longest kind: seconds of work.
 const LONG: &str = "test.duration_s=250";

@@ -1,8 +1,5 @@
 //! Studies over HTTP: progress line by line, one at a time, called off when nobody reads.
 
-mod visitor;
-mod wire;
-
 use std::io::{BufRead, Read};
 use std::time::{Duration, Instant};
 
@@ -11,8 +8,8 @@ use pneudrive_page::study::{Audience, Study};
 use pneudrive_sim::rig::builtin;
 use serde_json::{Value, json};
 
-use visitor::{ask_as_page, studio};
-use wire::{asked, status};
+use crate::visitor::{ask_as_page, studio};
+use crate::wire::{asked, status};
 
 /// A sweep of so many short runs.
 fn sweep(points: u32) -> Value {

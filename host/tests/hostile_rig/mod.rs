@@ -1,5 +1,4 @@
 //! A rig that lies: a virtual rig, and between it and the program somebody who changes what it says.
-#![allow(dead_code)] // Each test file uses a part.
 
 pub mod lies;
 
@@ -24,8 +23,6 @@ pub enum Says {
     Nothing,
     /// The program hears these bytes in its place.
     Instead(Vec<u8>),
-    /// The program hears it, and then these bytes.
-    Besides(Vec<u8>),
     /// The line is cut.
     HangUp,
 }
@@ -176,7 +173,6 @@ impl Between {
                 Says::Truth => printed.extend(frame(reply.sequence, reply.body)),
                 Says::Nothing => {}
                 Says::Instead(bytes) => printed.extend(bytes),
-                Says::Besides(bytes) => printed.extend([frame(reply.sequence, reply.body), bytes].concat()),
                 Says::HangUp => hung_up = true,
             }
         }

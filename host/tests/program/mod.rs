@@ -1,5 +1,4 @@
 //! The program as a user calls it, and rigs for it to talk to.
-#![allow(dead_code)] // Each test file uses a part.
 
 use std::path::Path;
 use std::process::{Command, Output};

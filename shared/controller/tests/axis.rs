@@ -1,8 +1,6 @@
 //! The axis as a machine has it: its limits and its moves.
 
-mod bench;
-
-use bench::{Bench, at};
+use crate::bench::{Bench, at};
 use pneudrive_controller::parameters::id;
 use pneudrive_controller::sequencer::Arrival;
 use pneudrive_controller::{Fault, Mode, Refusal, Sample};

@@ -1,8 +1,6 @@
 //! The run that gives counts their meaning.
 
-mod bench;
-
-use bench::{Bench, at};
+use crate::bench::{Bench, at};
 use pneudrive_controller::parameters::id;
 use pneudrive_controller::{Fault, Mode, Refusal, Sample};
 

@@ -1,9 +1,7 @@
 //! The integer law against an independent model of it in f64, over a grid with the edges of every
 //! range. All values stay below 2^53, so the oracle is exact and so is the comparison.
 
-mod bench;
-
-use bench::{Bench, WIDE, changed};
+use crate::bench::{Bench, WIDE, changed};
 use pneudrive_controller::parameters::id;
 use pneudrive_controller::{Parameters, Sample};
 

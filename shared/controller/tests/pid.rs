@@ -1,12 +1,11 @@
 //! The law "pid" against an independent model of it in f64. All values stay below 2^53, so the model is exact and so is the
 //! comparison.
 
-mod bench;
-
-use bench::{Bench, WIDE, changed};
 use pneudrive_controller::law::{Law, Running};
 use pneudrive_controller::parameters::id;
 use pneudrive_controller::{Parameters, Sample};
+
+use crate::bench::{Bench, WIDE, changed};
 
 /// The equations of the law in real numbers.
 struct Model<'a> {

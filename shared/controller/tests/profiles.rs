@@ -1,8 +1,6 @@
 //! Moves with profiles: what a run makes of them.
 
-mod bench;
-
-use bench::{at, wide_open};
+use crate::bench::{at, wide_open};
 use pneudrive_controller::law::Settings;
 use pneudrive_controller::parameters::id;
 use pneudrive_controller::profile::{Noise, Ramp, Wave};

@@ -1,8 +1,6 @@
 //! What must hold for every input, every configuration and every order of requests.
 
-mod bench;
-
-use bench::{one_move, running, wide_open};
+use crate::bench::{one_move, running, wide_open};
 use pneudrive_controller::law::Loop;
 use pneudrive_controller::parameters::{TABLE, id};
 use pneudrive_controller::{Command, Config, Fault, Mode, Parameters, Sample, State, output, sample};

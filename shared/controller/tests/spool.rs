@@ -1,8 +1,6 @@
 //! The spool of a stepper valve: where it is, how it is brought to mid-travel, and what is kept of it.
 
-mod bench;
-
-use bench::{at, one_move, running, wide_open};
+use crate::bench::{at, one_move, running, wide_open};
 use pneudrive_controller::drive::SpoolLocation;
 use pneudrive_controller::parameters::id;
 use pneudrive_controller::{Command, Config, Fault, Mode, Refusal, Sample, Sequence, State, output, sample};

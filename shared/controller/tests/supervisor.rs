@@ -1,8 +1,6 @@
 //! Modes and requests: what is refused, what is held, what a trip does.
 
-mod bench;
-
-use bench::{Bench, at, one_move, running, wide_open};
+use crate::bench::{Bench, at, one_move, running, wide_open};
 use pneudrive_controller::parameters::id;
 use pneudrive_controller::{
     Command, Config, Fault, Mode, Parameters, Refusal, Sample, Sequence, State, output, sample,

@@ -49,7 +49,7 @@ pub fn built(path: &str) -> Result<PathBuf> {
 /// # Errors
 /// When it does not build.
 pub fn command() -> Result<PathBuf> {
-    run(&mut in_root(&["test", "--no-run", "--quiet", "--workspace", "--test", "shell"]))?;
+    run(&mut in_root(&["test", "--no-run", "--quiet", "--workspace", "--test", "pages"]))?;
     Ok(built("debug")?.join(format!("pneudrive{}", env::consts::EXE_SUFFIX)))
 }
 

@@ -1,5 +1,4 @@
 //! The whole application on a scripted board.
-#![allow(dead_code)] // Each test file uses a part.
 
 use pneudrive_app::store::NoStore;
 use pneudrive_app::{App, Board};

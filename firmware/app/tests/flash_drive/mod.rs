@@ -1,5 +1,4 @@
 //! A drive with flash, on a board whose rod stands still.
-#![allow(dead_code)] // Each test file uses a part.
 
 use pneudrive_app::fault_log::{MEMORY_BYTES, Memory};
 use pneudrive_app::ram_flash::RamFlash;

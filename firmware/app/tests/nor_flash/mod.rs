@@ -1,7 +1,6 @@
 //! A NOR flash in memory that holds its user to the rules, and can lose its power at any operation.
 //!
 //! An operation is one word programmed or one sector erased.
-#![allow(dead_code)] // Each test program uses its part.
 
 use std::ops::Range;
 

@@ -2,14 +2,13 @@
 
 #[path = "../../../../sim/tests/drawn/mod.rs"]
 pub mod drawn;
-#[path = "../own_drives/mod.rs"]
-mod own_drives;
 
 use std::time::{Duration, Instant};
 
 use drawn::Drawn;
-use own_drives::{Kind, Steps, own_drive};
 use pneudrive_sim::{Accuracy, Convergence, Method, Rig, Run, check_convergence, run};
+
+use crate::own_drives::{Kind, Steps, own_drive};
 
 /// m: two runs that are farther apart have parted.
 pub const PARTED_M: f64 = 1e-5;

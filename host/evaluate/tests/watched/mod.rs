@@ -1,14 +1,11 @@
 //! Drives that are watched for long after a step, and what a short record of the step says of them.
 
-#[path = "../own_drives/mod.rs"]
-mod own_drives;
-
-pub use own_drives::Kind;
-
-use own_drives::{Steps, own_drive};
 use pneudrive_evaluate::evaluation::{LimitCycle, Motion, moves};
 use pneudrive_evaluate::transient::{POSITION, Transient};
 use pneudrive_sim::{Accuracy, Rig, run};
+
+pub use crate::own_drives::Kind;
+use crate::own_drives::{Steps, own_drive};
 
 /// When the step comes, and how long it is watched, s.
 pub const STEP_S: f64 = 0.3;

@@ -1,7 +1,6 @@
 //! A rig at the end of a simulated line: the firmware's application on one side, a [`Link`] on the other,
 //! and on the way there what goes wrong with lines. Time is virtual: it goes on by the bytes that the line
 //! carries at 921,600 baud, and by waiting.
-#![allow(dead_code)] // Each test file uses a part.
 
 mod line;
 
@@ -201,11 +200,13 @@ impl SimulatedRig {
 
 impl Simulation {
     /// The line breaks after so many more bytes.
+    #[allow(dead_code)] // Tests of the program use it.
     pub fn breaks_in(&mut self, bytes: usize) {
         self.breaks_after = Some(self.carried() + bytes);
     }
 
     /// The rig is reset after so many more bytes, and has run again at once.
+    #[allow(dead_code)] // Tests of the program use it.
     pub fn restarts_in(&mut self, bytes: usize, samples: &[RecordedSample]) {
         self.restarts_after = Some((self.carried() + bytes, samples.to_vec()));
     }

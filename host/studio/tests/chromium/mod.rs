@@ -3,8 +3,6 @@
 //! The protocol is JSON over a web socket, and the tests need six of its methods. Crates for all of it bring a generator of
 //! code, a TLS stack and a downloader; tungstenite alone does.
 
-#![allow(dead_code)] // Each test file uses a part.
-
 use std::fs;
 use std::net::TcpStream;
 use std::process::{Child, Command, Stdio};

@@ -1,5 +1,4 @@
 //! A page that commands a virtual rig, without a browser.
-#![allow(dead_code)] // Each test file uses a part.
 
 use std::time::{Duration, Instant};
 

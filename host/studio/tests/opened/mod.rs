@@ -1,7 +1,6 @@
 //! A studio opened in a browser, for the tests that look at it.
 //!
 //! With `PNEUDRIVE_SHOTS=FOLDER` the tests write the pictures of docs/studio.md there.
-#![allow(dead_code)] // Each test file uses a part.
 
 use std::fs;
 use std::path::Path;

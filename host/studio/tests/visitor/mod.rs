@@ -1,5 +1,4 @@
 //! A program that asks the studio, without a browser.
-#![allow(dead_code)] // Each test file uses a part.
 
 use axum::body::{Body, to_bytes};
 use axum::http::{HeaderMap, Method, Request, StatusCode};

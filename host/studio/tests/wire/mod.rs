@@ -1,5 +1,4 @@
 //! A page that asks a studio over its socket, and reads as long as it likes.
-#![allow(dead_code)] // Each test file uses a part.
 
 use std::io::{BufRead, BufReader, Write};
 use std::net::TcpStream;

@@ -1,5 +1,4 @@
 //! A controller on the bench: what the tests set up again and again.
-#![allow(dead_code)] // Each test file uses a part.
 
 use pneudrive_controller::parameters::id;
 use pneudrive_controller::{

@@ -1,0 +1,29 @@
+//! All integration tests of this crate, as one program.
+
+mod absolute_encoder;
+mod bench;
+mod boots;
+mod echoes;
+mod fault_log;
+mod flash_drive;
+mod keeping;
+mod late_copies;
+mod long_runs;
+mod nor_flash;
+mod owners;
+mod plant_bus_v1;
+mod plant_link;
+mod plc;
+mod plc_day;
+mod recorder;
+mod requests;
+mod shared_drive;
+mod spool;
+mod storage;
+mod storage_power_cuts;
+mod stream;
+mod transactions;
+mod trips;
+mod watchdog;
+mod wear;
+mod without_a_pc;

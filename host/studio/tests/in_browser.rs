@@ -1,0 +1,11 @@
+//! All tests of this crate in a browser, as one program: `cargo xtask test web`.
+
+mod browser;
+mod browser_access;
+mod browser_commission;
+mod browser_compare;
+mod browser_stop;
+mod browser_study;
+mod chromium;
+mod opened;
+mod simulated;

@@ -1,0 +1,11 @@
+//! All integration tests of this crate, as one program.
+
+mod axis;
+mod bench;
+mod homing;
+mod oracle;
+mod pid;
+mod profiles;
+mod properties;
+mod spool;
+mod supervisor;

@@ -1,0 +1,30 @@
+//! All integration tests of this crate, as one program.
+
+mod at_rest;
+mod bristles;
+mod builtin;
+mod catalogue;
+mod channel_skew;
+mod closed_loop;
+mod conservation;
+mod controller_start;
+mod converged;
+mod drawn;
+mod drift;
+mod encoders;
+mod extreme;
+mod extremes;
+mod faults;
+mod follow;
+mod hysteresis;
+mod lagged_tubes;
+mod mechanics;
+mod physics;
+mod ranges;
+mod reference;
+mod runner;
+mod shut_ports;
+mod supervision;
+mod valve_columns;
+mod vessel;
+mod work;
