@@ -126,7 +126,7 @@ fn built(what: &[&str]) -> Result<PathBuf> {
     let test = std::env::current_exe()?;
     let profile = test.ancestors().nth(2).context("a test lies in a folder of its profile")?;
     // With the features of all tests of the workspace: then it is there already.
-    let mut arguments = vec!["test", "--no-run", "--quiet", "--workspace"];
+    let mut arguments = vec!["build", "--quiet", "--workspace"];
     arguments.extend(what);
     if profile.ends_with("release") {
         arguments.push("--release");

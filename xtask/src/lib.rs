@@ -11,6 +11,7 @@
 //! | [`targets`] | builds for other systems |
 //! | [`web`] | the studio's page as a folder of files, with the designer as WebAssembly |
 //! | [`tools`] | ensures that the emulator and the instruction counter are there |
+//! | [`programs`] | the test programs of the workspace, run side by side |
 //! | [`python`] | builds, installs and tests the Python package |
 //! | [`fmu`] | has another program load the FMUs |
 //! | [`venv`] | environments of Python for tests |
@@ -39,6 +40,7 @@ pub mod link;
 pub mod memory;
 pub mod probe;
 pub mod processors;
+pub mod programs;
 pub mod python;
 pub mod stack;
 pub mod steps;

@@ -9,10 +9,11 @@ use clap::ValueEnum;
 use pneudrive_build::cargo::{self, THUMB, THUMB_V8, in_firmware, in_root, run};
 use pneudrive_build::firmware;
 
-use crate::tally::{Counts, Tally};
+use crate::tally::{self, Counts, Tally};
 use crate::tools::{CHROMIUM, QEMU};
 use crate::{
-    axe, boards, deny, flashed, fmu, instructions, link, memory, probe, processors, python, targets, web,
+    axe, boards, deny, flashed, fmu, instructions, link, memory, probe, processors, programs, python,
+    targets, web,
 };
 
 /// Formats all workspaces, or checks that they are formatted.
@@ -59,7 +60,7 @@ fn in_pico2(arguments: &[&str]) -> Result<Command> {
     Ok(cargo::in_inner(&cargo::firmware().join(firmware::PICO2), arguments, &cargo::image_folder()?))
 }
 
-/// Tests that need more than Rust and an emulator.
+/// Tests that need more than Rust and an emulator, or more time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Group {
     /// The HTML reports, the studio, and its page without a server in a browser: installs Chromium, and axe-core from
@@ -73,36 +74,101 @@ pub enum Group {
     Python,
     /// FMUs, validated and simulated by FMPy in target/fmu-venv
     Fmu,
+    /// Long properties and soaks, all states of the link
+    Long,
+}
+
+/// How much of a group is tested when nothing is installed for it, and what it takes to test the rest.
+enum Here {
+    All,
+    Part(String),
+    Nothing(String),
+}
+
+impl Group {
+    fn here(self) -> Here {
+        match self {
+            Group::Web if !CHROMIUM.is_there() => {
+                Here::Nothing(format!("no page is opened, as there is no Chromium ({})", CHROMIUM.how()))
+            }
+            Group::Web if !axe::is_there() => {
+                Here::Part("axe-core does not look at the pages (cargo xtask test web)".to_owned())
+            }
+            Group::Targets => targets::missing().map_or(Here::All, Here::Nothing),
+            Group::Flashed => {
+                flashed::TOOLS.into_iter().find(|tool| !tool.is_there()).map_or(Here::All, |tool| {
+                    let (program, how) = (tool.program, tool.how());
+                    Here::Nothing(format!("the flashed image is not run, as there is no {program} ({how})"))
+                })
+            }
+            Group::Python if !python::ENVIRONMENT.is_prepared() => {
+                Here::Nothing("the Python package is not tested (cargo xtask test python)".to_owned())
+            }
+            Group::Fmu if !fmu::ENVIRONMENT.is_prepared() => {
+                Here::Nothing("no FMU is loaded by FMPy (cargo xtask test fmu)".to_owned())
+            }
+            Group::Fmu if !fmu::is_watched() => Here::Part(
+                "the C functions of FMUs are not run under valgrind, which is for x86-64 Linux".to_owned(),
+            ),
+            Group::Long => {
+                Here::Nothing("long properties and soaks are not run (cargo xtask test long)".to_owned())
+            }
+            Group::Web | Group::Python | Group::Fmu => Here::All,
+        }
+    }
+
+    /// Installs the tools of the group; one that cannot be installed is a failure.
+    fn install(self, tally: &mut Tally) {
+        match self {
+            Group::Web => {
+                tally.check("browser", || CHROMIUM.ensure());
+                tally.check("axe-core", axe::ensure);
+            }
+            Group::Flashed => ensure_flashed(tally),
+            Group::Python => tally.check("environment of Python", python::prepare),
+            Group::Fmu => tally.check("environment of FMPy", fmu::prepare),
+            Group::Targets | Group::Long => {}
+        }
+    }
+
+    fn lint(self, tally: &mut Tally) {
+        match self {
+            Group::Flashed => tally.check("lint of hil-tests/flashed-image/", || {
+                run(&mut flashed::cargo(&["clippy", "--all-targets", "--", "-D", "warnings"])?)
+            }),
+            Group::Python => tally.check("lint of host/python/", || {
+                run(&mut python::cargo(&["clippy", "--locked", "--", "-D", "warnings"])?)
+            }),
+            _ => {}
+        }
+    }
+
+    fn run(self, tally: &mut Tally) {
+        match self {
+            Group::Web => pages(tally),
+            Group::Targets => targets::check_all(tally),
+            Group::Flashed => short_flashed(tally),
+            Group::Python => package(tally),
+            Group::Fmu => fmus(tally),
+            Group::Long => long(tally),
+        }
+    }
 }
 
 /// One group of tests; its tools are installed, or it fails.
 pub fn test_group(tally: &mut Tally, group: Group) {
-    match group {
-        Group::Web => {
-            tally.check("browser", || CHROMIUM.ensure());
-            tally.check("axe-core", axe::ensure);
-            pages(tally);
-        }
-        Group::Targets => targets::check_all(tally),
-        Group::Flashed => {
-            ensure_flashed(tally);
-            tally.check("lint of hil-tests/flashed-image/", || {
-                run(&mut flashed::cargo(&["clippy", "--all-targets", "--", "-D", "warnings"])?)
-            });
-            short_flashed(tally);
-        }
-        Group::Python => {
-            tally.check("environment of Python", python::prepare);
-            tally.check("lint of host/python/", || {
-                run(&mut python::cargo(&["clippy", "--locked", "--", "-D", "warnings"])?)
-            });
-            package(tally);
-        }
-        Group::Fmu => {
-            tally.check("environment of FMPy", fmu::prepare);
-            fmus(tally);
-        }
+    group.install(tally);
+    if let Here::Part(without) = group.here() {
+        tally.leave_out(without);
     }
+    group.lint(tally);
+    group.run(tally);
+}
+
+/// What takes minutes: tests that are ignored otherwise, and all states of the link within the bounds of CI.
+fn long(tally: &mut Tally) {
+    tests(tally, "long properties", &["test", "--workspace", "--tests", "--no-fail-fast", "--", "--ignored"]);
+    link::states_in_short(tally);
 }
 
 /// The FMUs, written by the command and loaded by FMPy.
@@ -110,10 +176,6 @@ fn fmus(tally: &mut Tally) {
     tally.check("FMUs in FMPy", fmu::test);
     if fmu::is_watched() {
         tally.check("C functions of FMUs under valgrind", fmu::watch);
-    } else {
-        tally.leave_out(
-            "the C functions of FMUs were not run under valgrind, which is for x86-64 Linux".to_owned(),
-        );
     }
 }
 
@@ -140,54 +202,39 @@ pub fn flashed(tally: &mut Tally, write: bool) {
     tests_by(tally, "the flashed image", || flashed::all(write));
 }
 
-/// All tests on the PC, then the checks of the boards without one. Groups whose tools are missing are left out.
+/// All tests on the PC, then what can be said of the boards without one. Groups whose tools are missing are left out, and told
+/// of before anything begins.
 pub fn test(tally: &mut Tally) {
-    test_without_groups(tally);
-    if CHROMIUM.is_there() {
-        pages(tally);
-    } else {
-        tally.leave_out(format!("no page was opened, as there is no Chromium ({})", CHROMIUM.how()));
-    }
-    targets::check_installed(tally);
-    match flashed::TOOLS.into_iter().find(|tool| !tool.is_there()) {
-        None => short_flashed(tally),
-        Some(tool) => {
-            let (program, how) = (tool.program, tool.how());
-            tally.leave_out(format!("the flashed image was not run, as there is no {program} ({how})"));
+    let groups = Group::value_variants().iter().filter(|group| match group.here() {
+        Here::All => true,
+        Here::Part(without) => {
+            tally.leave_out(without);
+            true
         }
-    }
-    if fmu::ENVIRONMENT.is_prepared() {
-        fmus(tally);
-    } else {
-        tally.leave_out("no FMU was loaded by FMPy (cargo xtask test fmu)".to_owned());
-    }
-    if python::ENVIRONMENT.is_prepared() {
-        package(tally);
-    } else {
-        tally.leave_out("the Python package was not tested (cargo xtask test python)".to_owned());
-    }
+        Here::Nothing(what) => {
+            tally.leave_out(what);
+            false
+        }
+    });
+    let groups: Vec<Group> = groups.copied().collect();
+    test_without_groups(tally);
+    groups.into_iter().for_each(|group| group.run(tally));
 }
 
 fn pages(tally: &mut Tally) {
     tests(tally, "pages in a browser", &["test", "--workspace", "--test", "pages"]);
-    tests(
-        tally,
-        "the studio in a browser",
-        &in_browser(&["browser", "browser_compare", "browser_commission", "browser_stop", "browser_study"]),
-    );
+    tests(tally, "the studio in a browser", &in_browser("in_browser", &["--skip", "browser_access"]));
     if axe::is_there() {
         tests_by(tally, "the studio for everybody", || {
-            let mut tests = in_root(&in_browser(&["browser_access"]));
+            let mut tests = in_root(&in_browser("in_browser", &["browser_access"]));
             tests.env("PNEUDRIVE_AXE", axe::script()?);
             Ok(tests)
         });
-    } else {
-        tally.leave_out("axe-core did not look at the pages (cargo xtask test web)".to_owned());
     }
     tests_by(tally, "the studio without a server", || {
         let folder = web::usual_folder()?;
         web::build(&folder)?;
-        let mut tests = in_root(&in_browser(&["without_server"]));
+        let mut tests = in_root(&in_browser("without_server", &[]));
         tests.env("PNEUDRIVE_WEB", folder);
         Ok(tests)
     });
@@ -195,11 +242,9 @@ fn pages(tally: &mut Tally) {
 
 /// Tests in a browser, one after the other: they measure times. With the features of the whole workspace, whose crates are
 /// built already where all tests are run.
-fn in_browser<'a>(names: &[&'a str]) -> Vec<&'a str> {
-    let mut arguments = vec!["test", "--workspace", "--no-fail-fast"];
-    arguments.extend(names.iter().flat_map(|name| ["--test", *name]));
-    arguments.extend(["--", "--nocapture", "--test-threads=1"]);
-    arguments
+fn in_browser<'a>(program: &'a str, which: &[&'a str]) -> Vec<&'a str> {
+    let call = ["test", "--workspace", "--test", program, "--", "--nocapture", "--test-threads=1"];
+    [&call[..], which].concat()
 }
 
 /// The studio's page as a folder of files.
@@ -216,7 +261,9 @@ fn test_without_groups(tally: &mut Tally) {
 }
 
 fn test_programs(tally: &mut Tally) {
-    tests(tally, "tests", &["test", "--workspace", "--no-fail-fast"]);
+    programs::run(tally);
+    // The only crate with examples in its documentation.
+    tests(tally, "examples of the documentation", &["test", "--package", "pneudrive-solver", "--doc"]);
     tally.check("instructions of the simulator", instructions::check);
     tally.check("no_std crates for the boards", || {
         let crates = ["pneudrive-controller", "pneudrive-protocol", "pneudrive-app", "pneudrive-interfaces"];
@@ -258,7 +305,7 @@ fn follow_line(tally: &mut Tally, line: &str) {
     println!("{line}");
     if let Some(counts) = Counts::in_line(line) {
         tally.add(counts);
-    } else if let Some(name) = line.strip_prefix("test ").and_then(|rest| rest.strip_suffix(" ... FAILED")) {
+    } else if let Some(name) = tally::failed_test(line) {
         tally.fail(0, format!("test {name}"));
     }
 }
@@ -306,9 +353,9 @@ pub fn thesis(tally: &mut Tally, write: bool) {
         "--package",
         "pneudrive",
         "--test",
-        "thesis",
+        "all",
         "--",
-        "the_numbers_are",
+        "thesis::the_numbers_are",
         "--nocapture",
     ];
     tally.check("numbers of the thesis", || {
@@ -361,7 +408,7 @@ pub fn ci(tally: &mut Tally) {
         images
     });
     lint_root(tally);
-    tally.check("tests, compiled", || run(&mut in_root(&["test", "--workspace", "--no-run", "--quiet"])));
+    tally.check("tests, compiled", programs::build);
     match images.join() {
         Ok(images) => tally.absorb(images),
         Err(_) => tally.fail(1, "the images: a panic, told above".to_owned()),
@@ -370,7 +417,6 @@ pub fn ci(tally: &mut Tally) {
     for group in Group::value_variants() {
         test_group(tally, *group);
     }
-    link::states_in_short(tally);
     deny::check(tally);
     docs(tally);
 }

@@ -39,6 +39,12 @@ impl Counts {
     }
 }
 
+/// The test that a line of a test program tells of as failed.
+#[must_use]
+pub fn failed_test(line: &str) -> Option<&str> {
+    line.strip_prefix("test ")?.strip_suffix(" ... FAILED")
+}
+
 impl Tally {
     /// Does a check that counts as one.
     pub fn check(&mut self, name: &str, check: impl FnOnce() -> Result<()>) {

@@ -26,17 +26,12 @@ pub fn check_all(tally: &mut Tally) {
     }
 }
 
-/// Checks those whose target is installed, and names the others.
-pub fn check_installed(tally: &mut Tally) {
-    for other in &OTHERS {
-        match cargo::has_target(other.target) {
-            Ok(true) => tally.check(other.what, || other.check()),
-            _ => tally.leave_out(format!(
-                "{} was not compiled, as there is no target {} (rustup target add {1})",
-                other.what, other.target
-            )),
-        }
-    }
+/// What is not compiled, as its target is not installed.
+#[must_use]
+pub fn missing() -> Option<String> {
+    let missing = OTHERS.iter().find(|other| !matches!(cargo::has_target(other.target), Ok(true)))?;
+    let (what, target) = (missing.what, missing.target);
+    Some(format!("{what} is not compiled, as there is no target {target} (rustup target add {target})"))
 }
 
 impl Other {

@@ -1,0 +1,162 @@
+//! The test programs of the workspace: compiled by one call of cargo, then run side by side.
+//!
+//! ```text
+//! longest   first, so that none is left over at the end
+//! others    beside them, one program a core; with more threads than cores where tests wait for processes and time-outs
+//! alone     last, one after the other: they measure what a line carries in real time
+//! ```
+
+use std::num::NonZero;
+use std::path::PathBuf;
+use std::process::{Command, Output, Stdio};
+use std::sync::Mutex;
+use std::thread;
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, Result, ensure};
+use pneudrive_build::cargo::{in_root, root};
+use serde::Deserialize;
+
+use crate::tally::{Counts, Tally, failed_test};
+
+/// Programs that take longest.
+const LONGEST: [&str; 3] = ["hil-tests/tests/all", "host/tests/all", "sim/tests/all"];
+
+/// Programs whose tests wait more than they compute. An emulated board does not: it computes while it waits.
+const WAITING: [&str; 2] = ["host/tests/all", "host/studio/tests/all"];
+
+/// Programs that no other may run beside.
+const ALONE: [&str; 1] = ["host/rigs/tests/all"];
+
+/// What cargo builds: every test program, and the examples that tests run. Other examples are checked by `cargo xtask lint`.
+const BUILD: [&str; 5] = ["build", "--workspace", "--tests", "--example", "board"];
+
+/// A line of cargo's messages.
+#[derive(Deserialize)]
+struct Message {
+    #[serde(default)]
+    manifest_path: PathBuf,
+    target: Option<Target>,
+    profile: Option<Profile>,
+    executable: Option<PathBuf>,
+}
+
+#[derive(Deserialize)]
+struct Target {
+    name: String,
+    kind: Vec<String>,
+}
+
+#[derive(Deserialize)]
+struct Profile {
+    test: bool,
+}
+
+/// A test program.
+struct Program {
+    /// Its crate's folder in the workspace and where its tests are: `host/tests/all`, `sim/src`.
+    name: String,
+    /// Its crate's folder.
+    folder: PathBuf,
+    executable: PathBuf,
+}
+
+/// What became of a program.
+struct Ran {
+    output: Output,
+    took: Duration,
+}
+
+/// Compiles them.
+///
+/// # Errors
+/// When they do not compile.
+pub fn build() -> Result<()> {
+    built().map(drop)
+}
+
+/// Compiles and runs them, and counts their tests. What a program prints is shown if a test of it fails.
+pub fn run(tally: &mut Tally) {
+    let mut programs = match tally.timed("tests, compiled", |_| built()) {
+        Ok(programs) => programs,
+        Err(error) => return tally.fail(1, format!("tests: {error:#}")),
+    };
+    programs.sort_by_key(|program| !is_of(&LONGEST, program));
+    let (alone, others) = programs.into_iter().partition(|program| is_of(&ALONE, program));
+    let cores = thread::available_parallelism().map_or(1, NonZero::get);
+    tally.timed("tests, side by side", |tally| run_on(tally, others, cores));
+    tally.timed("tests, alone", |tally| run_on(tally, alone, 1));
+}
+
+fn is_of(names: &[&str], program: &Program) -> bool {
+    names.contains(&program.name.as_str())
+}
+
+fn built() -> Result<Vec<Program>> {
+    let mut build = in_root(&[&BUILD[..], &["--message-format", "json-render-diagnostics"]].concat());
+    let output = build.stderr(Stdio::inherit()).output().context("cargo can't be started")?;
+    ensure!(output.status.success(), "they do not compile");
+    String::from_utf8_lossy(&output.stdout).lines().filter_map(|line| Program::of(line).transpose()).collect()
+}
+
+impl Program {
+    /// The program that a message of cargo tells of, if it tells of one.
+    fn of(line: &str) -> Result<Option<Program>> {
+        let message: Message = serde_json::from_str(line).with_context(|| format!("cargo says {line}"))?;
+        let Message { manifest_path, target: Some(target), profile: Some(profile), executable } = message
+        else {
+            return Ok(None);
+        };
+        let Some(executable) = executable.filter(|_| profile.test) else { return Ok(None) };
+        let folder = manifest_path.parent().context("a manifest lies in a folder")?.to_owned();
+        let home = folder.strip_prefix(root()).unwrap_or(&folder).to_string_lossy();
+        let tests = target.kind.iter().any(|kind| kind == "test");
+        let name = if tests { format!("{home}/tests/{}", target.name) } else { format!("{home}/src") };
+        Ok(Some(Program { name, folder, executable }))
+    }
+
+    fn run(&self, cores: usize) -> Result<Ran> {
+        let threads = if is_of(&WAITING, self) { 2 * cores } else { cores };
+        let mut command = Command::new(&self.executable);
+        command.current_dir(&self.folder).env("RUST_TEST_THREADS", threads.to_string());
+        let begin = Instant::now();
+        let output = command.output().with_context(|| format!("{} can't be started", self.name))?;
+        Ok(Ran { output, took: begin.elapsed() })
+    }
+}
+
+/// Runs programs, so many at once, in their order.
+fn run_on(tally: &mut Tally, programs: Vec<Program>, at_once: usize) {
+    let (queue, tally) = (Mutex::new(programs.into_iter()), Mutex::new(tally));
+    let next = || queue.lock().unwrap_or_else(|poisoned| poisoned.into_inner()).next();
+    let work = || {
+        while let Some(program) = next() {
+            let ran = program.run(at_once);
+            follow(*tally.lock().unwrap_or_else(|poisoned| poisoned.into_inner()), &program.name, ran);
+        }
+    };
+    thread::scope(|scope| {
+        for _ in 0..at_once {
+            scope.spawn(work);
+        }
+    });
+}
+
+/// Counts what a program printed, and shows it if a test failed.
+fn follow(tally: &mut Tally, name: &str, ran: Result<Ran>) {
+    let Ran { output, took } = match ran {
+        Ok(ran) => ran,
+        Err(error) => return tally.fail(1, format!("{error:#}")),
+    };
+    let printed = String::from_utf8_lossy(&output.stdout);
+    let counts = printed.lines().find_map(Counts::in_line);
+    println!("{:>6.1} s {:>5} tests  {name}", took.as_secs_f64(), counts.map_or(0, |counts| counts.passed));
+    if !output.status.success() {
+        println!("{printed}{}", String::from_utf8_lossy(&output.stderr));
+        printed.lines().filter_map(failed_test).for_each(|test| tally.fail(0, format!("{name}: {test}")));
+    }
+    match counts {
+        Some(counts) if output.status.success() || counts.failed > 0 => tally.add(counts),
+        _ => tally.fail(1, format!("{name} ended with {}", output.status)),
+    }
+}
