@@ -5,12 +5,14 @@
 //! parent       gives its children types, constants and macros; no function of it is called from below
 //! crates       as the map of ARCHITECTURE.md has them: each uses only crates that stand above it there
 //! words        of laws and parameters are spelled in one place
+//! tests        each file of a crate's tests is in a test program
 //! ```
 
 mod crates;
 mod graph;
 mod module;
 mod paths;
+mod programs;
 mod vocabulary;
 
 use std::collections::BTreeSet;
@@ -33,6 +35,10 @@ pub fn check(root: &Path) -> Result<()> {
         broken.extend(
             of_crate(&root.join(folder), &words)?.into_iter().map(|text| format!("{folder}: {text}")),
         );
+    }
+    for folder in uses.keys() {
+        let forgotten = programs::forgotten(&root.join(folder))?;
+        broken.extend(forgotten.into_iter().map(|text| format!("{folder}: {text}")));
     }
     if !broken.is_empty() {
         bail!("{} breaks of the structure:\n{}", broken.len(), broken.join("\n"));

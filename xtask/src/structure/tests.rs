@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 
 use super::crates::{self, Map, Uses};
-use super::{of_crate, vocabulary};
+use super::{of_crate, programs, vocabulary};
 
 /// A crate of these files; what breaks a rule in it.
 fn broken(files: &[(&str, &str)]) -> Vec<String> {
@@ -141,6 +141,20 @@ fn quotes_in_characters_and_raw_texts_hide_no_spelling() {
         "const QUOTE: char = '\"'; const RAW: &str = r#\"a \"b\" c\"#; const ESCAPED: &str = \"\\\"\"; const LAW: &str = \"pid\";",
     )]);
     assert_eq!(found, [" spells \"pid\", which has its home in the controller"]);
+}
+
+#[test]
+fn a_file_of_tests_that_no_program_takes_in_is_found() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let manifest =
+        "[package]\nname = \"a\"\nautotests = false\n[[test]]\nname = \"all\"\n[[test]]\nname = \"own\"\n";
+    let tests = folder.path().join("tests");
+    fs::create_dir(&tests).expect("a folder");
+    fs::write(folder.path().join("Cargo.toml"), manifest).expect("a file");
+    for (name, text) in [("all.rs", "mod one;"), ("own.rs", ""), ("one.rs", ""), ("lost.rs", "")] {
+        fs::write(tests.join(name), text).expect("a file");
+    }
+    assert_eq!(programs::forgotten(folder.path()).expect("files"), ["tests/lost.rs is in no test program"]);
 }
 
 #[test]
