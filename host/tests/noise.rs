@@ -149,6 +149,7 @@ fn an_incline_that_friction_seems_to_make_up_for_is_told() {
 /// The weight of the load is more than Coulomb friction of retraction. Calibration is exact: pressures that may be 2 % off make
 /// the weight as uncertain, and the angle by more than a degree.
 #[test]
+#[ignore = "long: cargo xtask test long"]
 fn an_incline_that_friction_cannot_make_up_for_is_a_misfit_and_named_with_its_size() {
     let folder = folder();
     let file = format!("{EXACT}{MIDDLE}");
@@ -170,6 +171,7 @@ fn an_incline_that_friction_cannot_make_up_for_is_a_misfit_and_named_with_its_si
 /// Bristles yield as the pressures change, long before the load slips: the first count that it moves is neither the end of
 /// its rest nor its stiction.
 #[test]
+#[ignore = "long: cargo xtask test long"]
 fn a_drive_on_bristles_is_identified_over_the_link() {
     let folder = folder();
     let file = "[operator]\nmodel = \"stepper\"\n[load]\nfriction = \"lugre\"\n[test]\nposition_m = 0.15\nduration_s = 0.2\n";

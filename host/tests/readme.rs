@@ -20,6 +20,7 @@ fn judged(rig: &str, settled_mm: &str) -> Vec<String> {
 }
 
 #[test]
+#[ignore = "long: cargo xtask test long"]
 fn the_tuned_rigs_reach_what_the_page_says() {
     for rig in ["servo-a-tuned", "servo-c-tuned"] {
         let (row, at_1, at_5) = (stated(rig), judged(rig, "1"), judged(rig, "0.05"));

@@ -22,6 +22,7 @@ fn pneudrive() -> &'static Path {
 }
 
 #[test]
+#[ignore = "long: cargo xtask test long"]
 fn the_intervals_hold_what_was_hidden_as_often_as_they_say() {
     let mut coverage = Coverage::default();
     let shipped = (1..=3).map(shipped_rig);
@@ -79,6 +80,7 @@ fn a_leak_is_noticed_by_its_trace_where_all_residuals_together_pass_for_noise() 
 
 /// The fit without it ends in another valley, from where another supply temperature seemed to explain all of it.
 #[test]
+#[ignore = "long: cargo xtask test long"]
 fn a_cause_is_found_though_the_fit_without_it_ends_far_away() {
     let (folder, hidden) = (folder(), lacking_rig(20));
     assert!(hidden.lacks.as_ref().is_some_and(|lacks| lacks.contains("exhaust.pressure_pa")), "{hidden:?}");

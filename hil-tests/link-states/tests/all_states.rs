@@ -36,6 +36,7 @@ fn two_hosts_that_configure_with_two_faults_a_reset_and_a_power_cut() {
 }
 
 #[test]
+#[ignore = "long: cargo xtask test long"]
 fn two_hosts_that_configure_with_a_power_cut_at_any_operation_of_the_flash() {
     let budget = Budget { power_cuts: 1, resets: 1, ..NOTHING };
     holds("configures, configures, any cut", hosts([Configures, Configures], TWO, budget).cut_at(0..160));
@@ -48,6 +49,7 @@ fn a_host_that_runs_and_one_that_configures_with_a_reset_and_a_power_cut() {
 }
 
 #[test]
+#[ignore = "long: cargo xtask test long"]
 fn two_hosts_that_home_with_two_faults_and_a_reset() {
     let budget = Budget { faults: 2, resets: 1, ..NOTHING };
     holds("homes, homes", hosts([Homes, Homes], TWO, budget));
