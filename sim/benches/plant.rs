@@ -8,8 +8,8 @@ use pneudrive_controller::Command;
 use pneudrive_sim::component::air::Station;
 use pneudrive_sim::component::gas::Gas;
 use pneudrive_sim::component::tubing::Tube;
-use pneudrive_sim::component::valve::Valve;
 use pneudrive_sim::component::valve::flow_law::FlowLaw;
+use pneudrive_sim::component::valve::{Opening, Valve};
 use pneudrive_sim::network::{Laws, Network, PortFlow};
 use pneudrive_sim::rig::BUILTIN;
 use pneudrive_sim::{Accuracy, Plant, Rig, run};
@@ -23,8 +23,7 @@ const VALVE: Valve = Valve {
     port_diameter: 3.3e-3,
     has_node: true,
     land_laws: [FlowLaw::Orifice; 2],
-    characteristic: None,
-    map: None,
+    opening: Opening::Areas,
     travel: 1e-3,
     rod_diameter: 6e-3,
     discharge_supply: 0.8,

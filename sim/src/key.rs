@@ -379,7 +379,7 @@ macro_rules! words {
 /// Declares the keys of a component, and the list of them that [`crate::rig`] collects. Those of the controller's table come
 /// as its lines.
 macro_rules! keys {
-    ($($name:ident: $type:ty = $key:expr;)+) => { $crate::key::keys! { {} $($name: $type = $key;)+ } };
+    ($($name:ident: $type:ty = $key:expr;)*) => { $crate::key::keys! { {} $($name: $type = $key;)* } };
     (
         { $($id:literal $constant:ident $own:literal $unit:literal $range:tt $parameter:tt $thesis:literal $meaning:literal
             $(only $($law:ident)+)?;)* }

@@ -6,10 +6,12 @@
 //! crates       as the map of ARCHITECTURE.md has them: each uses only crates that stand above it there
 //! words        of laws and parameters are spelled in one place
 //! tests        each file of a crate's tests is in a test program
+//! models       of a component are named in their own files and in its list alone
 //! ```
 
 mod crates;
 mod graph;
+mod models;
 mod module;
 mod paths;
 mod programs;
@@ -30,6 +32,8 @@ use module::Modules;
 pub fn check(root: &Path) -> Result<()> {
     let (uses, workspaces) = crates::of_cargo(root)?;
     let mut broken = crates::broken(&Map::of_project(root)?, &uses, &workspaces);
+    let folders: Vec<&str> = uses.keys().map(String::as_str).collect();
+    broken.extend(models::named_elsewhere(root, &folders)?);
     let words = vocabulary::words(root)?;
     for folder in uses.keys() {
         broken.extend(

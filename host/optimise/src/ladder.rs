@@ -8,8 +8,9 @@ use std::time::Duration;
 
 use anyhow::{Result, anyhow, bail};
 use pneudrive_records::judged::{Judged, Spacing};
+use pneudrive_sim::component::valve::model::Facts;
 use pneudrive_sim::component::{friction, operator, valve};
-use pneudrive_sim::key::Choice;
+use pneudrive_sim::key::{Choice, Key};
 use pneudrive_sim::keys;
 use pneudrive_sim::{Accuracy, Convergence, Rig, run};
 
@@ -23,16 +24,8 @@ use pneudrive_report::{COLOURS, Curve, Figure, Look, Page, Panel, Table};
 /// A component and its models, the most complete one first: its name, and its keys.
 type Component = (&'static str, &'static [(&'static str, &'static [&'static str])]);
 
-/// All of them. A model that a rig cannot have is left out.
-const COMPONENTS: [Component; 9] = [
-    (
-        "valve",
-        &[
-            ("flow node", &["valve.model=flow-node"]),
-            ("multiple flow node", &["valve.model=multiple-flow-node"]),
-            ("single restriction", &["valve.model=single-restriction"]),
-        ],
-    ),
+/// Those whose models differ in keys of their own. A model that a rig cannot have is left out.
+const COMPONENTS: [Component; 8] = [
     (
         "approach velocity",
         &[("counts", &["valve.upstream_mach=true"]), ("neglected", &["valve.upstream_mach=false"])],
@@ -183,7 +176,8 @@ fn plans(source: &(String, String), settings: &[String]) -> Result<Vec<Plan>> {
     };
     let file = read(&[])?;
     // As far as the rig allows it.
-    let mut complete: Vec<&str> = Vec::new();
+    let valve = with_nodes(&file);
+    let mut complete: Vec<&str> = valve.iter().map(String::as_str).collect();
     for (_, models) in COMPONENTS {
         let with: Vec<&str> = complete.iter().chain(models[0].1).copied().collect();
         if applies(&file, models[0].1) && read(&with).is_ok() {
@@ -195,6 +189,10 @@ fn plans(source: &(String, String), settings: &[String]) -> Result<Vec<Plan>> {
         Plan { component: "", model: "complete", rig: reference.clone() },
         Plan { component: "", model: "as in the file", rig: file },
     ];
+    let has_areas = has_areas(&reference);
+    plans.extend(others(&reference, "valve", &keys::valve::MODEL, |model: valve::Model| {
+        has_areas && model.facts().has_areas()
+    }));
     for (component, models) in COMPONENTS {
         for (model, keys) in &models[1..] {
             let with: Vec<&str> = complete.iter().chain(*keys).copied().collect();
@@ -206,28 +204,46 @@ fn plans(source: &(String, String), settings: &[String]) -> Result<Vec<Plan>> {
             }
         }
     }
-    plans.extend(frictions(&reference));
+    plans.extend(others(
+        &reference,
+        "friction of the load",
+        &keys::friction::FRICTION,
+        |_: friction::Model| true,
+    ));
     Ok(plans)
 }
 
-/// The rungs of the other models of the load's friction.
-fn frictions(reference: &Rig) -> impl Iterator<Item = Plan> {
-    let key = &keys::friction::FRICTION;
-    let own = reference.get(key).word();
-    let others = friction::Model::WORDS.iter().map(|(model, _)| *model).filter(move |model| *model != own);
-    others.filter_map(move |model| {
+/// The most complete model of a valve that is known by its areas.
+fn with_nodes(rig: &Rig) -> Option<String> {
+    let complete = |facts: Facts| facts.has_areas() && facts.has_node && !facts.replaces_tubes;
+    let model = valve::Model::ALL.iter().find(|model| complete(model.facts()))?;
+    has_areas(rig).then(|| format!("{}={}", keys::valve::MODEL.path, model.word()))
+}
+
+fn has_areas(rig: &Rig) -> bool {
+    rig.get(&keys::valve::MODEL).facts().has_areas()
+}
+
+/// The rungs of the other ones of the models that a key chooses among.
+fn others<C: Choice>(
+    reference: &Rig,
+    component: &'static str,
+    key: &Key,
+    may: impl Fn(C) -> bool,
+) -> Vec<Plan> {
+    let own = reference.word_at(key.path);
+    let others = C::WORDS.iter().map(|(word, _)| *word).filter(|word| Some(*word) != own);
+    let plan = |model: &'static str| {
         let rig = reference.with_settings(&[format!("{}={model}", key.path)]).ok()?;
-        Some(Plan { component: "friction of the load", model, rig })
-    })
+        Some(Plan { component, model, rig })
+    };
+    others.filter(|word| C::of_word(word).is_some_and(&may)).filter_map(plan).collect()
 }
 
 /// Whether the keys mean something on a rig as it is: an operator that it has, a valve that has a node.
 fn applies(rig: &Rig, settings: &[&str]) -> bool {
     let operator = rig.get(&keys::operator::MODEL);
     settings.iter().all(|setting| match setting.split_once('=') {
-        Some(("valve.model", _)) => {
-            !matches!(rig.get(&keys::valve::MODEL), valve::Model::Iso6358 | valve::Model::FlowMap)
-        }
         Some(("valve.flow_force", "none")) => true,
         Some(("valve.flow_force" | "operator.model", _)) => operator.is_solenoid(),
         Some((path, _)) if path.starts_with("operator.") => operator == operator::Model::Solenoid,

@@ -61,7 +61,7 @@ impl Assembly {
     fn solve(&mut self, t: f64, x: &StateVector, air: &Air<Pair>) -> Nodes {
         let openings = self.parts.valve.openings(self.spool_to_lands(t, x));
         let conductances = self.restrictions.at(openings, self.lands.open);
-        if self.parts.valve.map.is_some() {
+        if self.parts.valve.laws_follow_spool() {
             self.follow_map(t, x);
         }
         let stations = self.ends_at_valve(x, air);

@@ -67,7 +67,9 @@ keys! {
 #[must_use]
 pub fn tubes(rig: &Rig, gas: &Gas) -> (Tube, Tube) {
     let bore = rig.get(&keys::DIAMETER_MM) * 1e-3;
-    if rig.get(&valve::keys::MODEL) == valve::Model::MultipleFlowNode {
+    let model = rig.get(&valve::keys::MODEL);
+    if model.facts().replaces_tubes {
+        let bore = model.connector_bore(rig).unwrap_or(bore);
         return (Tube::none(), Tube::connector(gas, rig.get(&valve::keys::DISCHARGE_SUPPLY), bore));
     }
     let tube = match rig.get(&keys::MODEL) {

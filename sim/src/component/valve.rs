@@ -18,74 +18,61 @@ pub mod flow_force;
 pub mod flow_law;
 pub mod flow_map;
 pub mod iso6358;
+pub mod lands;
+pub mod model;
 mod restrictions;
 
 use std::f64::consts::PI;
 
 use crate::component::gas::Gas;
 use crate::component::valve::flow_law::FlowLaw;
-use crate::key::{keys, words};
+use crate::key::{Key, keys};
 use crate::number::Pair;
 use crate::values::{Findings, Rig};
-use characteristic::Characteristic;
-use flow_map::FlowMap;
-use iso6358::{Iso6358, REFERENCE_DENSITY, REFERENCE_TEMPERATURE};
+use iso6358::{REFERENCE_DENSITY, REFERENCE_TEMPERATURE};
+use lands::keys::CHARACTERISTIC;
+pub use model::{Model, Opening};
+use model::{Paths, WITH_AREAS, WITH_NODES, WITH_SPOOL};
 use restrictions::Shares;
 pub(crate) use restrictions::{Conductances, Restrictions};
-
-words! {
-    /// How the flows through the valve are formed.
-    pub enum Model {
-        /// Each port has a small volume between its lands and its bore.
-        FlowNode = "flow-node",
-        /// The lands are all there is.
-        SingleRestriction = "single-restriction",
-        /// As the flow node, with a restriction in place of each tube to the cylinder.
-        MultipleFlowNode = "multiple-flow-node",
-        /// The lands are components by their conductance.
-        Iso6358 = "iso-6358",
-        /// The lands have a measured map.
-        FlowMap = "flow-map",
-    }
-}
-
-/// Models whose lands are areas.
-const AREAS: &[&str] = &["flow-node", "single-restriction", "multiple-flow-node"];
 
 keys! {
     MODEL: Model = choice("valve.model", "L(16)", "How the flows through the valve are formed.");
     SPOOL_TRAVEL_MM: f64 = number("valve.spool_travel_mm", 1.0, 0.01, 100.0, "C(3)", "Travel of the spool to either side; also what a command of 2048 asks for.");
-    UNDERLAP_MM: f64 = number("valve.underlap_mm", 0.0, -10.0, 10.0, "C(4)", "Lap of the lands: negative is underlap, positive overlap.").chosen_by(&characteristic::keys::CHARACTERISTIC, &["lands", "linear"]);
-    SLEEVE_DIAMETER_MM: f64 = number("valve.sleeve_diameter_mm", 10.0, 0.1, 500.0, "C(9)", "Bore of the sleeve.").chosen_by(&characteristic::keys::CHARACTERISTIC, &["lands"]);
-    SPOOL_DIAMETER_MM: f64 = number("valve.spool_diameter_mm", 9.98, 0.1, 500.0, "C(10)", "Diameter of the spool's lands.").chosen_by(&characteristic::keys::CHARACTERISTIC, &["lands"]);
-    SPOOL_ROD_DIAMETER_MM: f64 = number("valve.spool_rod_diameter_mm", 6.0, 0.0, 500.0, "C(25)", "Diameter of the spool between its lands.").chosen_by(&characteristic::keys::CHARACTERISTIC, &["lands"]);
-    PORT_DIAMETER_MM: f64 = number("valve.port_diameter_mm", 3.3, 0.01, 500.0, "C(39)", "Bore of the ports.").of(&["flow-node", "multiple-flow-node"]);
-    CONNECTOR_DIAMETER_MM: f64 = number("valve.connector_diameter_mm", 5.0, 0.01, 500.0, "C(63)", "Bore of the connectors: the alternative to tubing.diameter_mm for the multiple flow node; not used, as in the reference.").of(&["multiple-flow-node"]);
-    DISCHARGE_SUPPLY: f64 = number("valve.discharge_supply", 0.8, 0.01, 1.0, "C(11)", "Coefficient of discharge of the supply lands and the ports.").of(AREAS).spread();
-    DISCHARGE_EXHAUST: f64 = number("valve.discharge_exhaust", 0.8, 0.01, 1.0, "C(12)", "Coefficient of discharge of the exhaust lands.").of(AREAS).spread();
+    UNDERLAP_MM: f64 = number("valve.underlap_mm", 0.0, -10.0, 10.0, "C(4)", "Lap of the lands: negative is underlap, positive overlap.").chosen_by(&CHARACTERISTIC, &["lands", "linear"]);
+    SLEEVE_DIAMETER_MM: f64 = number("valve.sleeve_diameter_mm", 10.0, 0.1, 500.0, "C(9)", "Bore of the sleeve.").chosen_by(&CHARACTERISTIC, &["lands"]);
+    SPOOL_DIAMETER_MM: f64 = number("valve.spool_diameter_mm", 9.98, 0.1, 500.0, "C(10)", "Diameter of the spool's lands.").chosen_by(&CHARACTERISTIC, &["lands"]);
+    SPOOL_ROD_DIAMETER_MM: f64 = number("valve.spool_rod_diameter_mm", 6.0, 0.0, 500.0, "C(25)", "Diameter of the spool between its lands.").chosen_by(&CHARACTERISTIC, &["lands"]);
+    PORT_DIAMETER_MM: f64 = number("valve.port_diameter_mm", 3.3, 0.01, 500.0, "C(39)", "Bore of the ports.").of(WITH_NODES);
+    DISCHARGE_SUPPLY: f64 = number("valve.discharge_supply", 0.8, 0.01, 1.0, "C(11)", "Coefficient of discharge of the supply lands and the ports.").of(WITH_AREAS).spread();
+    DISCHARGE_EXHAUST: f64 = number("valve.discharge_exhaust", 0.8, 0.01, 1.0, "C(12)", "Coefficient of discharge of the exhaust lands.").of(WITH_AREAS).spread();
     DISCHARGE_REVERSE: f64 = number("valve.discharge_reverse", 1.0, 0.01, 1.0, "C(58)", "Multiplier of the coefficient of discharge for reverse flow.").not_built();
-    UPSTREAM_MACH: bool = switch("valve.upstream_mach", true, "", "Whether the speed counts at which a tube brings air to the ports of flow nodes; false sets every upstream Mach number to zero.").of(&["flow-node", "multiple-flow-node"]);
-    TURBULENCE: f64 = number("valve.turbulence", 1.0, 0.0, 1.0, "C(54)", "Every upstream Mach number is multiplied by it; 0 is upstream_mach = false.").of(&["flow-node", "multiple-flow-node"]);
+    UPSTREAM_MACH: bool = switch("valve.upstream_mach", true, "", "Whether the speed counts at which a tube brings air to the ports of flow nodes; false sets every upstream Mach number to zero.").of(WITH_NODES);
+    TURBULENCE: f64 = number("valve.turbulence", 1.0, 0.0, 1.0, "C(54)", "Every upstream Mach number is multiplied by it; 0 is upstream_mach = false.").of(WITH_NODES);
     TABLE: bool = switch("valve.table", false, "", "Of former versions: flows from a table. Only false is accepted.");
-    NULL_OFFSET_MM: f64 = number("valve.null_offset_mm", 0.0, -10.0, 10.0, "", "Spool position at which the valve is at its null.");
-    NULL_DRIFT_MM_PER_H: f64 = number("valve.null_drift_mm_per_h", 0.0, -3600.0, 3600.0, "8.4", "How fast the valve\'s null moves, from null_offset_mm at the start of the test.");
+    NULL_OFFSET_MM: f64 = number("valve.null_offset_mm", 0.0, -10.0, 10.0, "", "Spool position at which the valve is at its null.").of(WITH_SPOOL);
+    NULL_DRIFT_MM_PER_H: f64 = number("valve.null_drift_mm_per_h", 0.0, -3600.0, 3600.0, "8.4", "How fast the valve\'s null moves, from null_offset_mm at the start of the test.").of(WITH_SPOOL);
 }
+
+/// The lists of the keys of all models, in the order of `rig explain`.
+pub(crate) static KEYS: &[&[&[&Key]]] =
+    &[&[keys::ALL, flow_force::keys::ALL, discharge::keys::ALL], model::KEYS, &[lands::keys::ALL]];
 
 impl Valve {
     /// The valve of a rig.
     #[must_use]
     pub fn of(rig: &Rig) -> Valve {
         let metres = |key| rig.get(key) * 1e-3;
+        let model = rig.get(&keys::MODEL);
         Valve {
             null_offset: metres(&keys::NULL_OFFSET_MM),
             lap: metres(&keys::UNDERLAP_MM),
             sleeve_diameter: metres(&keys::SLEEVE_DIAMETER_MM),
             spool_diameter: metres(&keys::SPOOL_DIAMETER_MM),
             port_diameter: metres(&keys::PORT_DIAMETER_MM),
-            has_node: matches!(rig.get(&keys::MODEL), Model::FlowNode | Model::MultipleFlowNode),
-            land_laws: land_laws(rig),
-            characteristic: Characteristic::of(rig),
-            map: FlowMap::of(rig).filter(|_| rig.get(&keys::MODEL) == Model::FlowMap),
+            has_node: model.facts().has_node,
+            land_laws: model.laws(rig),
+            opening: opening(rig),
             travel: spool_travel(rig),
             rod_diameter: metres(&keys::SPOOL_ROD_DIAMETER_MM),
             discharge_supply: rig.get(&keys::DISCHARGE_SUPPLY),
@@ -100,17 +87,13 @@ pub fn spool_travel(rig: &Rig) -> f64 {
     rig.get(&keys::SPOOL_TRAVEL_MM) * 1e-3
 }
 
-/// What the lands of a rig are, to the supply and to the exhaust.
-#[must_use]
-pub fn land_laws(rig: &Rig) -> [FlowLaw; 2] {
-    match (rig.get(&keys::MODEL), rig.get(&discharge::keys::DISCHARGE_MODEL)) {
-        (Model::Iso6358, _) => Iso6358::paths_of(rig).map(FlowLaw::Iso6358),
-        (Model::FlowMap, _) => {
-            let at_null = FlowMap::of(rig).map(|map| FlowLaw::Map([map.at(0.0); 2]));
-            [at_null.unwrap_or(FlowLaw::Orifice); 2]
-        }
-        (_, discharge::Model::Perry) => [FlowLaw::Perry; 2],
-        (_, discharge::Model::Constant) => [FlowLaw::Orifice; 2],
+/// How the paths of a rig open over the spool.
+fn opening(rig: &Rig) -> Opening {
+    let model = rig.get(&keys::MODEL);
+    match model.facts().paths {
+        Paths::Areas => Opening::Areas,
+        Paths::Conductances => lands::characteristic(rig).map_or(Opening::Areas, Opening::Shares),
+        Paths::Own => model.opening(rig),
     }
 }
 
@@ -118,7 +101,9 @@ pub fn land_laws(rig: &Rig) -> [FlowLaw; 2] {
 /// conventional flows of 6.39 to 6.46, without Mach numbers.
 #[must_use]
 pub fn speed_counts(rig: &Rig) -> bool {
-    rig.get(&keys::UPSTREAM_MACH) && rig.get(&keys::TURBULENCE) > 0.0 && Valve::of(rig).has_node
+    rig.get(&keys::UPSTREAM_MACH)
+        && rig.get(&keys::TURBULENCE) > 0.0
+        && rig.get(&keys::MODEL).facts().has_node
 }
 
 /// The largest coefficient of discharge with upstream Mach numbers. At 1 a choked port behind a wide
@@ -136,8 +121,7 @@ pub(crate) fn check(rig: &Rig, findings: &mut Findings) {
             findings.note(key, message);
         }
     }
-    characteristic::check(rig, findings);
-    flow_map::check(rig, findings);
+    lands::check(rig, findings);
     let why = "the spool moves inside the sleeve";
     findings.not_above(rig, &keys::SPOOL_DIAMETER_MM, &keys::SLEEVE_DIAMETER_MM, why);
     // Earlier versions could read the flows of the nodes from a table.
@@ -146,11 +130,7 @@ pub(crate) fn check(rig: &Rig, findings: &mut Findings) {
             "flows are no longer read from a table, which was slower than solving them: leave the key out";
         findings.note(&keys::TABLE, message);
     }
-    for key in [&iso6358::keys::SONIC_CONDUCTANCE_M3_PER_S_PA, &iso6358::keys::CRITICAL_RATIO] {
-        if rig.get(&keys::MODEL) == Model::Iso6358 && rig.get(key).is_none() {
-            findings.note(key, "valve.model = \"iso-6358\" needs it; the data sheet has it");
-        }
-    }
+    rig.get(&keys::MODEL).check(rig, findings);
 }
 
 /// The dimensions of the valve that its flow depends on, SI.
@@ -171,10 +151,8 @@ pub struct Valve {
     /// What the lands to the supply and to the exhaust are: orifices by their areas, or components by their conductances
     /// at full opening.
     pub land_laws: [FlowLaw; 2],
-    /// How these conductances follow the spool; None: with the areas of the lands.
-    pub characteristic: Option<Characteristic>,
-    /// What was measured of its paths.
-    pub map: Option<FlowMap>,
+    /// How they follow the spool.
+    pub opening: Opening,
     /// Spool travel to either side, m.
     pub travel: f64,
     /// Diameter of the spool between its lands, m.
@@ -226,10 +204,15 @@ impl Valve {
         PI / 4.0 * self.port_diameter * self.port_diameter
     }
 
+    /// Whether the laws of the lands depend on the place of the spool.
+    pub(crate) fn laws_follow_spool(&self) -> bool {
+        matches!(self.opening, Opening::Map(_))
+    }
+
     /// The laws of the lands to the supply and to the exhaust with the spool at a place, m, where they depend on it.
     #[must_use]
     pub fn laws_at(&self, spool: f64) -> Option<[FlowLaw; 2]> {
-        let map = self.map.as_ref()?;
+        let Opening::Map(map) = &self.opening else { return None };
         let place = (spool - self.null_offset) / self.travel;
         let [one, two] = [map.at(place), map.at(-place)];
         Some([FlowLaw::Map([one, two]), FlowLaw::Map([two, one])])
@@ -258,11 +241,13 @@ impl Valve {
             per_square: [(supply, self.discharge_supply), (exhaust, self.discharge_exhaust)]
                 .map(|(law, discharge)| self.conductance(gas, law, discharge, around * around)),
             clearance_squared: clearance * clearance,
-            are_areas: self.map.is_none() && self.characteristic.is_none(),
-            shares: self
-                .characteristic
-                .clone()
-                .map(|characteristic| Shares { characteristic, spool: [self.travel, self.lap] }),
+            are_areas: matches!(self.opening, Opening::Areas),
+            shares: match &self.opening {
+                Opening::Shares(characteristic) => {
+                    Some(Shares { characteristic: characteristic.clone(), spool: [self.travel, self.lap] })
+                }
+                Opening::Areas | Opening::Map(_) => None,
+            },
             port: self.has_node.then(port),
         }
     }
@@ -274,7 +259,7 @@ impl Valve {
             FlowLaw::Orifice => constant * discharge * discharge * squared_area,
             FlowLaw::Perry => constant * squared_area,
             FlowLaw::Map(_) => REFERENCE_DENSITY * REFERENCE_DENSITY * REFERENCE_TEMPERATURE,
-            FlowLaw::Iso6358(component) if self.characteristic.is_some() => component.conductance(),
+            FlowLaw::Iso6358(component) if !matches!(self.opening, Opening::Areas) => component.conductance(),
             // The conductance is that of full opening, and goes with the area of the edge.
             FlowLaw::Iso6358(component) => {
                 let around = PI * (self.sleeve_diameter + self.spool_diameter) / 2.0;
@@ -297,8 +282,7 @@ pub(crate) fn thesis_valve() -> Valve {
         port_diameter: 3.3e-3,
         has_node: true,
         land_laws: [FlowLaw::Orifice; 2],
-        characteristic: None,
-        map: None,
+        opening: Opening::Areas,
         travel: 1e-3,
         rod_diameter: 6e-3,
         discharge_supply: 0.8,

@@ -4,7 +4,7 @@ use super::{Laws, Network, Vessels};
 use crate::component::air::Station;
 use crate::component::gas::Gas;
 use crate::component::tubing::{Tube, tubes};
-use crate::component::valve::{Valve, land_laws, speed_counts};
+use crate::component::valve::{Valve, speed_counts};
 use crate::component::{exhaust, supply};
 use crate::keys;
 use crate::values::Rig;
@@ -40,7 +40,7 @@ impl Network {
 
 /// The flow laws of the lands. A port is an orifice like those of the supply's lands.
 fn laws(rig: &Rig) -> Laws {
-    let [supply, exhaust] = land_laws(rig);
+    let [supply, exhaust] = rig.get(&keys::valve::MODEL).laws(rig);
     Laws { supply, exhaust, port: supply }
 }
 

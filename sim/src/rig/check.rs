@@ -10,7 +10,7 @@ use crate::component::controller::{Law, Loop, Model};
 use crate::component::load::Load;
 use crate::component::tubing::speed_outweighs_supply_tube;
 use crate::component::{actuator, controller, encoder, faults, friction, operator, sensors, valve};
-use crate::key::Typed;
+use crate::key::{Choice, Typed};
 use crate::values::{Findings, Rig};
 use crate::{gain_bug, keys, schedule, start};
 
@@ -29,6 +29,7 @@ pub(super) fn check(rig: &Rig, findings: &mut Findings) {
         valve::check,
         actuator::check,
         friction::check,
+        check_operator,
         check_continuous,
         schedule::check,
         start::check,
@@ -65,6 +66,16 @@ fn key_of(error: ConfigError) -> &'static str {
         ConfigError::EncoderStepSpansLimits => keys::safety::MAX_SPEED_M_S.path,
         ConfigError::EndPositionsCrossed => keys::safety::END_MIN_MM.path,
         _ => "controller",
+    }
+}
+
+/// Some valves have operators of their own.
+fn check_operator(rig: &Rig, findings: &mut Findings) {
+    let model = rig.get(&keys::valve::MODEL);
+    let operators = model.facts().operators;
+    if !operators.is_empty() && !operators.contains(&rig.get(&keys::operator::MODEL).word()) {
+        let message = format!("must be {} with valve.model = {:?}", operators.join(" or "), model.word());
+        findings.note(&keys::operator::MODEL, message);
     }
 }
 

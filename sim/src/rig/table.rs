@@ -10,17 +10,21 @@ keys! {
 /// The lists of the components: of each, or of its models.
 #[rustfmt::skip]
 static LISTS: &[&[&[&Key]]] = &[
+    BEFORE_VALVE, crate::component::valve::KEYS[0], crate::component::valve::KEYS[1], crate::component::valve::KEYS[2],
     BEFORE_FRICTION, crate::component::friction::KEYS, BEHIND_FRICTION,
 ];
 
 #[rustfmt::skip]
-static BEFORE_FRICTION: &[&[&Key]] = &[
+static BEFORE_VALVE: &[&[&Key]] = &[
     keys::ALL,
     crate::keys::gas::ALL, crate::keys::supply::ALL, crate::keys::exhaust::ALL,
     crate::keys::controller::ALL, crate::keys::encoder::ALL, crate::keys::sensors::ALL,
     crate::keys::operator::ALL, crate::keys::solenoid::ALL, crate::keys::hysteresis::ALL, crate::keys::dither::ALL, crate::keys::amplifier::ALL,
     crate::keys::empirical::ALL, crate::keys::stepper::ALL, crate::keys::on_off::ALL,
-    crate::keys::valve::ALL, crate::keys::flow_force::ALL, crate::keys::discharge::ALL, crate::keys::iso6358::ALL, crate::keys::characteristic::ALL, crate::keys::flow_map::ALL,
+];
+
+#[rustfmt::skip]
+static BEFORE_FRICTION: &[&[&Key]] = &[
     crate::keys::tubing::ALL,
     crate::keys::actuator::ALL, crate::keys::leakage::ALL, crate::keys::walls::ALL,
     crate::keys::load::ALL,

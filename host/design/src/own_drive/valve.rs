@@ -2,8 +2,9 @@
 
 use std::f64::consts::PI;
 
-use pneudrive_sim::component::valve::characteristic;
-use pneudrive_sim::component::{operator, valve};
+use pneudrive_sim::component::operator;
+use pneudrive_sim::component::valve::lands;
+use pneudrive_sim::component::valve::model::{by_conductance, by_map};
 use pneudrive_sim::keys;
 
 use super::cylinder::{middle, part_of};
@@ -55,7 +56,7 @@ pub(super) fn write(file: &mut RigFile, answers: &Answers) -> Result<(), Refusal
         return spool(file, answers, part);
     }
     let ratio = critical_ratio(answers, part)?;
-    file.word(&keys::valve::MODEL, valve::Model::Iso6358, "by its conductance");
+    file.word(&keys::valve::MODEL, by_conductance::MODEL, "by its conductance");
     file.optional(
         &keys::iso6358::SONIC_CONDUCTANCE_M3_PER_S_PA,
         &conductance(answers, named.as_ref(), &ratio)?,
@@ -96,7 +97,7 @@ fn measured_map(answers: &Answers) -> Result<Option<Vec<flow_map::Row>>, Refusal
 }
 
 fn write_map(file: &mut RigFile, rows: &[flow_map::Row], path: &str) {
-    file.word(&keys::valve::MODEL, valve::Model::FlowMap, "as measured");
+    file.word(&keys::valve::MODEL, by_map::MODEL, "as measured");
     let scale = "a scale: the map is over the part of the travel";
     file.number(&keys::valve::SPOOL_TRAVEL_MM, &Number::computed(TRAVEL_MM, scale));
     let why = format!(
@@ -201,15 +202,15 @@ fn lands(file: &mut RigFile, answers: &Answers, part: &Part) -> Result<(), Refus
     let scale = "a scale: the paths open in proportion, so only ratios to it count";
     file.number(&keys::valve::SPOOL_TRAVEL_MM, &Number::computed(TRAVEL_MM, scale));
     file.word(
-        &keys::characteristic::CHARACTERISTIC,
-        characteristic::Model::Linear,
+        &keys::lands::CHARACTERISTIC,
+        lands::Model::Linear,
         "in proportion to the spool, beyond its overlap",
     );
     let overlap = usual(answers, "overlap", part, "overlap", "%")?;
     let from = format!("{} of the spool's travel", described(&overlap, "%"));
     file.number(&keys::valve::UNDERLAP_MM, &overlap.map(|percent| 1e-2 * percent * TRAVEL_MM, from));
     let leakage = figure_of(part, "leakage_in_centre", "%")?;
-    file.number(&keys::characteristic::LEAKAGE_PERCENT, &leakage);
+    file.number(&keys::lands::LEAKAGE_PERCENT, &leakage);
     Ok(())
 }
 

@@ -1,6 +1,6 @@
 //! The valve on the bench (7.1.1): its null, and the saturation of its flow.
 
-use crate::characteristics::valve_models::{Model, flow};
+use crate::characteristics::valve_models::{Compared, flow};
 use crate::characteristics::{CURVES, Characteristic, SUPPLY_FAMILY_PA, pressure_gain};
 use anyhow::{Context, Result};
 use pneudrive_sim::Rig;
@@ -171,9 +171,10 @@ fn saturation() -> Result<Measured> {
     let rig = rig("servo-b-thesis", &[])?;
     let at = |model, spool_mm: f64| flow(&rig, model, 1e-3 * spool_mm, FIG_7_5_PA[0], FIG_7_5_PA[1]);
     let gained = |model| at(model, 1.0) / at(model, 0.5);
-    let [node, single] = [Model::FlowNodeWithApproach, Model::SingleRestriction].map(gained);
-    let head =
-        |spool_mm| 100.0 * (at(Model::FlowNodeWithApproach, spool_mm) / at(Model::FlowNode, spool_mm) - 1.0);
+    let [node, single] = [Compared::FlowNodeWithApproach, Compared::SingleRestriction].map(gained);
+    let head = |spool_mm| {
+        100.0 * (at(Compared::FlowNodeWithApproach, spool_mm) / at(Compared::FlowNode, spool_mm) - 1.0)
+    };
     let bench = "flow of port 1 at 110 kPa from a supply port at 317 kPa";
     let readings = vec![
         Reading::shows(

@@ -17,9 +17,9 @@ use super::{Characteristic, Figure, Graph, Unfit};
 use pneudrive_report::Curve;
 use pneudrive_sim::Rig;
 use pneudrive_sim::component::gas::Gas;
+use pneudrive_sim::component::valve::Valve;
 use pneudrive_sim::component::valve::discharge::perry;
 use pneudrive_sim::component::valve::flow_law::FlowLaw;
-use pneudrive_sim::component::valve::{Model, Valve};
 use pneudrive_sim::keys;
 
 pub(super) const ABOUT: &str = "flow of a land over the pressure ratio, and the flow function with upstream Mach numbers (V.9, Fig. 6.14)";
@@ -58,7 +58,7 @@ pub fn with_approach(gas: &Gas, mach: f64, ratio: f64) -> f64 {
 /// The reference flow, kg/s: the choked flow of an ideal nozzle of the land's area, or of the land itself if it has
 /// no area.
 fn whole(rig: &Rig) -> f64 {
-    if matches!(rig.get(&keys::valve::MODEL), Model::Iso6358 | Model::FlowMap) {
+    if !rig.get(&keys::valve::MODEL).facts().has_areas() {
         return land_flow(rig, 0.0);
     }
     let (gas, valve) = (Gas::of(rig), Valve::of(rig));

@@ -3,7 +3,7 @@
 use super::points::{evenly, over};
 use super::{Characteristic, Figure, Graph, Unfit};
 use pneudrive_sim::Rig;
-use pneudrive_sim::component::valve::{Model, Valve};
+use pneudrive_sim::component::valve::Valve;
 use pneudrive_sim::keys;
 
 pub(super) const ABOUT: &str = "areas of the lands over the spool (6.38)";
@@ -12,7 +12,7 @@ pub(super) const ABOUT: &str = "areas of the lands over the spool (6.38)";
 const MM2: f64 = 1e6;
 
 pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
-    if matches!(rig.get(&keys::valve::MODEL), Model::Iso6358 | Model::FlowMap) {
+    if !rig.get(&keys::valve::MODEL).facts().has_areas() {
         return Err(Unfit::NoPart("its valve is known by its flows; the curve nominal-flow has them"));
     }
     let valve = Valve::of(rig);

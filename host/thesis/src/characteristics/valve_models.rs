@@ -7,7 +7,6 @@ use super::points::{evenly, over};
 use super::{Characteristic, Figure, Graph, Unfit};
 use pneudrive_report::Curve;
 use pneudrive_sim::Rig;
-use pneudrive_sim::component::valve;
 use pneudrive_sim::keys;
 
 pub(super) const ABOUT: &str = "single restriction against flow node (7.1.1.3, Fig. 7.5)";
@@ -17,7 +16,7 @@ const PORT_PA: f64 = 110e3;
 
 /// A model of the valve's flow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Model {
+pub enum Compared {
     /// Only the lands.
     SingleRestriction,
     /// Lands and port, air at rest in front of each.
@@ -26,17 +25,17 @@ pub enum Model {
     FlowNodeWithApproach,
 }
 
-const MODELS: [(Model, &str); 3] = [
-    (Model::SingleRestriction, "single restriction"),
-    (Model::FlowNode, "flow node, Mach 0 upstream"),
-    (Model::FlowNodeWithApproach, "flow node, upstream Mach numbers"),
+const MODELS: [(Compared, &str); 3] = [
+    (Compared::SingleRestriction, "single restriction"),
+    (Compared::FlowNode, "flow node, Mach 0 upstream"),
+    (Compared::FlowNodeWithApproach, "flow node, upstream Mach numbers"),
 ];
 
 /// Flow out of port 1, kg/s, by a model: spool (m), pressures at supply port and port (Pa).
 #[must_use]
-pub fn flow(rig: &Rig, model: Model, spool: f64, supply_pa: f64, port_pa: f64) -> f64 {
-    let mut bench = ValveBench::with_approach(rig, supply_pa, model == Model::FlowNodeWithApproach);
-    bench.valve.has_node = model != Model::SingleRestriction;
+pub fn flow(rig: &Rig, model: Compared, spool: f64, supply_pa: f64, port_pa: f64) -> f64 {
+    let mut bench = ValveBench::with_approach(rig, supply_pa, model == Compared::FlowNodeWithApproach);
+    bench.valve.has_node = model != Compared::SingleRestriction;
     bench.nodes(spool, [port_pa; 2])[0].port_flow()
 }
 
@@ -44,7 +43,7 @@ pub fn flow(rig: &Rig, model: Model, spool: f64, supply_pa: f64, port_pa: f64) -
 type Pressures = [f64; 2];
 
 pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
-    if matches!(rig.get(&keys::valve::MODEL), valve::Model::Iso6358 | valve::Model::FlowMap) {
+    if !rig.get(&keys::valve::MODEL).facts().has_areas() {
         return Err(Unfit::NoPart("its valve is known by its flows, not by lands and ports"));
     }
     let own = rig.get(&keys::supply::PRESSURE_PA);
@@ -74,7 +73,7 @@ pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
 
 fn curves(rig: &Rig, [supply, port]: Pressures) -> Vec<Curve> {
     let travel = rig.get(&keys::valve::SPOOL_TRAVEL_MM);
-    let curve = |(model, name): (Model, &str)| {
+    let curve = |(model, name): (Compared, &str)| {
         over(name, &evenly(0.0, travel, 100), |spool| 1e3 * flow(rig, model, spool * 1e-3, supply, port))
     };
     MODELS.map(curve).into()
@@ -98,7 +97,7 @@ mod tests {
     fn upstream_mach_numbers_count_at_wide_openings_and_not_at_narrow_ones() {
         for (spool, port, more) in [(0.05e-3, 110e3, 0.01), (1e-3, 110e3, 0.21), (1e-3, 280e3, 0.50)] {
             let flow = |model| flow(&servo_b(&[]), model, spool, 317e3, port);
-            let gain = flow(Model::FlowNodeWithApproach) / flow(Model::FlowNode) - 1.0;
+            let gain = flow(Compared::FlowNodeWithApproach) / flow(Compared::FlowNode) - 1.0;
             assert!((gain - more).abs() < 0.01, "{spool} {port}: {gain}");
         }
     }
@@ -118,9 +117,13 @@ mod tests {
     fn the_node_saturates_where_the_single_restriction_goes_on() {
         let at = |model, spool| flow(&servo_b(&[]), model, spool, 317e3, 110e3);
         let gain = |model| at(model, 1e-3) / at(model, 0.5e-3);
-        assert!((gain(Model::SingleRestriction) - 2.0).abs() < 0.02, "{}", gain(Model::SingleRestriction));
-        assert!(gain(Model::FlowNode) < 1.1, "{}", gain(Model::FlowNode));
-        let narrow = at(Model::FlowNode, 0.02e-3) / at(Model::SingleRestriction, 0.02e-3);
+        assert!(
+            (gain(Compared::SingleRestriction) - 2.0).abs() < 0.02,
+            "{}",
+            gain(Compared::SingleRestriction)
+        );
+        assert!(gain(Compared::FlowNode) < 1.1, "{}", gain(Compared::FlowNode));
+        let narrow = at(Compared::FlowNode, 0.02e-3) / at(Compared::SingleRestriction, 0.02e-3);
         assert!((0.97..1.0).contains(&narrow), "at small openings the land alone counts: {narrow}");
     }
 }

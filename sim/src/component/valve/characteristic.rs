@@ -8,28 +8,7 @@
 //! c is the leakage of a shut path. The points of a table have any overlap and leakage in them; the curve between them is that
 //! of [`crate::monotone`]. The third characteristic, that of lands with a sleeve and a spool, is an area (6.38).
 
-use super::flow_force;
-use crate::key::{keys, words};
 use crate::monotone::Monotone;
-use crate::values::{Findings, Rig};
-
-words! {
-    /// How a conductance follows the spool.
-    pub enum Model {
-        /// As the areas of the lands, by the diameters of sleeve and spool.
-        Lands = "lands",
-        /// In proportion to the opening.
-        Linear = "linear",
-        /// By a table.
-        Table = "table",
-    }
-}
-
-keys! {
-    CHARACTERISTIC: Model = choice("valve.characteristic", "", "How the conductance of a path follows the spool: as the area of a land, in proportion to the opening, or by a table; other models than iso-6358 have lands.").of(&["flow-node", "single-restriction", "multiple-flow-node", "iso-6358"]);
-    LEAKAGE_PERCENT: f64 = number("valve.leakage_percent", 0.0, 0.0, 50.0, "", "Conductance of a shut path, of that of the open one.").chosen_by(&CHARACTERISTIC, &["linear"]);
-    CHARACTERISTIC_TABLE: Option<Vec<Vec<f64>>> = optional_rows("valve.characteristic_table", &["spool, %", "conductance, %"], 64, "the data sheet's; needed by characteristic = \"table\"", "", "Conductance of path 1 over the spool, both in percent of their largest; -100 to 100 % of the spool, or as far as anything changes.").chosen_by(&CHARACTERISTIC, &["table"]);
-}
 
 /// A characteristic that a data sheet gives.
 #[derive(Clone, Debug, PartialEq)]
@@ -44,19 +23,6 @@ pub enum Characteristic {
 }
 
 impl Characteristic {
-    /// That of a rig; None where its valve has lands.
-    pub(super) fn of(rig: &Rig) -> Option<Characteristic> {
-        match rig.get(&keys::CHARACTERISTIC) {
-            Model::Lands => None,
-            Model::Linear => Some(Characteristic::Linear { leakage: 1e-2 * rig.get(&keys::LEAKAGE_PERCENT) }),
-            Model::Table => {
-                let rows = rig.get(&keys::CHARACTERISTIC_TABLE)?;
-                let column = |i: usize| rows.iter().map(|row| 1e-2 * row[i]).collect();
-                Some(Characteristic::Table(Monotone::through(column(0), column(1))))
-            }
-        }
-    }
-
     /// The share of its conductance that a path has with its edge open by `opening` (m) or shut, of a valve with a travel and
     /// a lap (m). Beyond the edge it goes on smoothly a little.
     pub(super) fn share(&self, opening: f64, is_open: bool, [travel, lap]: [f64; 2]) -> f64 {
@@ -70,32 +36,8 @@ impl Characteristic {
     }
 }
 
-/// What a characteristic must hold.
-pub(super) fn check(rig: &Rig, findings: &mut Findings) {
-    let model = rig.get(&keys::CHARACTERISTIC);
-    if model != Model::Lands && rig.get(&super::keys::MODEL) != super::Model::Iso6358 {
-        let message = "is one of a valve that is known by its conductance: write valve.model = \"iso-6358\", or leave it out";
-        findings.note(&keys::CHARACTERISTIC, message);
-    }
-    let by_data_sheet = model != Model::Lands || rig.get(&super::keys::MODEL) == super::Model::FlowMap;
-    if by_data_sheet && rig.get(&flow_force::keys::FLOW_FORCE) != flow_force::Model::None {
-        let message = "comes from the areas of lands, and this valve has none: write flow_force = \"none\"";
-        findings.note(&flow_force::keys::FLOW_FORCE, message);
-    }
-    if model == Model::Table {
-        match rig.get(&keys::CHARACTERISTIC_TABLE) {
-            None => findings.note(&keys::CHARACTERISTIC_TABLE, "valve.characteristic = \"table\" needs it"),
-            Some(rows) => {
-                if let Err(message) = check_table(&rows) {
-                    findings.note(&keys::CHARACTERISTIC_TABLE, message);
-                }
-            }
-        }
-    }
-}
-
 /// Whether the rows make a curve of shares that rises.
-fn check_table(rows: &[Vec<f64>]) -> Result<(), &'static str> {
+pub(super) fn check_table(rows: &[Vec<f64>]) -> Result<(), &'static str> {
     let within = |row: &Vec<f64>| (-100.0..=100.0).contains(&row[0]) && (0.0..=100.0).contains(&row[1]);
     if !rows.iter().all(within) {
         Err("the spool lies from -100 to 100 %, the conductance from 0 to 100 %")

@@ -9,10 +9,11 @@
 //! | ISO 6358 | P_u^2 and a power of an ellipse ([`crate::component::valve::iso6358`]) | (C rho_0)^2 T_0 |
 
 use crate::component::gas::{FlowFunction, Gas};
-use crate::component::valve::discharge::{perry, perry_slope};
+use crate::component::valve::discharge::{self, perry, perry_slope};
 use crate::component::valve::flow_map::Slice;
 use crate::component::valve::iso6358::Iso6358;
 use crate::number::Number;
+use crate::values::Rig;
 
 /// A law of flow.
 #[allow(clippy::large_enum_variant, reason = "laws are few, and handed on by reference")]
@@ -29,6 +30,15 @@ pub enum FlowLaw {
 }
 
 impl FlowLaw {
+    /// Of the lands of a rig that have areas: to the supply and to the exhaust.
+    #[must_use]
+    pub fn of_areas(rig: &Rig) -> [FlowLaw; 2] {
+        match rig.get(&discharge::keys::DISCHARGE_MODEL) {
+            discharge::Model::Perry => [FlowLaw::Perry; 2],
+            discharge::Model::Constant => [FlowLaw::Orifice; 2],
+        }
+    }
+
     /// psi from `upstream` to `downstream` (Exner pressures).
     #[must_use]
     pub fn psi(&self, gas: &Gas, upstream: f64, downstream: f64) -> f64 {

@@ -17,14 +17,7 @@
 //! carries the spread of the measurement into whatever is computed.
 
 use crate::component::gas::{FlowFunction, Gas};
-use crate::key::keys;
 use crate::monotone::{Monotone, slopes_into};
-use crate::values::{Findings, Rig};
-
-keys! {
-    FLOW_MAP: Option<Vec<Vec<f64>>> = optional_rows("valve.flow_map", &["spool, %", "upstream, kPa", "downstream, kPa", "flow, l/min (ANR)", "standard deviation, l/min"], 1024, "measured; needed by flow-map", "", "Measured flows of the path to port 1 at 20 C: each place of the spool, in percent of its travel, with each ratio of absolute pressures.").of(&["flow-map"]);
-    FLOW_MAP_SHIFT: f64 = number("valve.flow_map_shift", 0.0, -3.0, 3.0, "", "By how many of its standard deviations each flow of the map is taken higher.").of(&["flow-map"]);
-}
 
 /// Most pressure ratios of a map.
 pub const MAX_RATIOS: usize = 16;
@@ -76,14 +69,11 @@ impl Point {
 }
 
 impl FlowMap {
-    /// The map of a rig, if it has one; [`check`] has found it sound.
-    pub(super) fn of(rig: &Rig) -> Option<FlowMap> {
-        let rows = rig.get(&keys::FLOW_MAP)?;
-        FlowMap::through(&rows, rig.get(&keys::FLOW_MAP_SHIFT)).ok()
-    }
-
     /// Through the rows of a map, each flow higher by `shift` standard deviations.
-    fn through(rows: &[Vec<f64>], shift: f64) -> Result<FlowMap, String> {
+    ///
+    /// # Errors
+    /// What makes the rows no map.
+    pub fn through(rows: &[Vec<f64>], shift: f64) -> Result<FlowMap, String> {
         check_rows(rows)?;
         let points: Vec<Point> = rows.iter().map(|row| Point::of(row)).collect();
         let spools = distinct(points.iter().map(|point| point.spool), 1e-6);
@@ -141,21 +131,6 @@ impl Slice {
     fn square(&self, ratio: f64) -> (f64, f64) {
         let knots = self.knots;
         crate::monotone::between(&self.ratios[..knots], &self.squares[..knots], &self.slopes[..knots], ratio)
-    }
-}
-
-/// What a map must hold.
-pub(super) fn check(rig: &Rig, findings: &mut Findings) {
-    if rig.get(&super::keys::MODEL) != super::Model::FlowMap {
-        return;
-    }
-    match rig.get(&keys::FLOW_MAP) {
-        None => findings.note(&keys::FLOW_MAP, "valve.model = \"flow-map\" needs it"),
-        Some(rows) => {
-            if let Err(message) = FlowMap::through(&rows, rig.get(&keys::FLOW_MAP_SHIFT)) {
-                findings.note(&keys::FLOW_MAP, message);
-            }
-        }
     }
 }
 

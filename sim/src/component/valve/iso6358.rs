@@ -18,38 +18,8 @@
 //! flow at rest without a unique pressure. From r = 0.999 on a parabola takes its place, with the same value and slope there and
 //! 0 at r = 1; no data sheet says anything of so small a drop. An isentropic orifice of the same choked flow passes within 0.4 %
 //! of the ellipse for b = 0.528.
-//!
-//! A valve has two kinds of path, from the supply to its ports (1 to 2 and 4) and from these to the exhaust (to 3 and 5), each
-//! with figures of its own. What the ports themselves lose is in them, so there is no port besides.
 
 use crate::component::gas::{FlowFunction, Gas};
-use crate::key::keys;
-use crate::values::Rig;
-
-keys! {
-    SONIC_CONDUCTANCE_M3_PER_S_PA: Option<f64> = optional_number("valve.sonic_conductance_m3_per_s_pa", 1e-12, 1e-6, "the data sheet's; needed by iso-6358", "", "Sonic conductance of the path from the supply to a port, fully open.").of(&["iso-6358"]);
-    CRITICAL_RATIO: Option<f64> = optional_number("valve.critical_ratio", 0.0, 0.9, "the data sheet's; needed by iso-6358", "", "Critical pressure ratio of that path.").of(&["iso-6358"]);
-    EXHAUST_SONIC_CONDUCTANCE_M3_PER_S_PA: Option<f64> = optional_number("valve.exhaust_sonic_conductance_m3_per_s_pa", 1e-12, 1e-6, "that of the path from the supply", "", "Sonic conductance of the path from a port to the exhaust, fully open.").of(&["iso-6358"]);
-    EXHAUST_CRITICAL_RATIO: Option<f64> = optional_number("valve.exhaust_critical_ratio", 0.0, 0.9, "that of the path from the supply", "", "Critical pressure ratio of that path.").of(&["iso-6358"]);
-    SUBSONIC_INDEX: f64 = number("valve.subsonic_index", 0.5, 0.3, 0.8, "", "Exponent of the flow above the critical ratio, of all paths; 0.5 is the ellipse.").of(&["iso-6358"]);
-}
-
-impl Iso6358 {
-    /// The paths of a rig's valve from the supply and to the exhaust; zeros where their figures are absent, which
-    /// [`super::check`] refuses.
-    pub(super) fn paths_of(rig: &Rig) -> [Iso6358; 2] {
-        let subsonic_index = rig.get(&keys::SUBSONIC_INDEX);
-        let [sonic, ratio] = [&keys::SONIC_CONDUCTANCE_M3_PER_S_PA, &keys::CRITICAL_RATIO]
-            .map(|key| rig.get(key).unwrap_or(0.0));
-        let supply = Iso6358 { sonic_conductance: sonic, critical_ratio: ratio, subsonic_index };
-        let exhaust = Iso6358 {
-            sonic_conductance: rig.get(&keys::EXHAUST_SONIC_CONDUCTANCE_M3_PER_S_PA).unwrap_or(sonic),
-            critical_ratio: rig.get(&keys::EXHAUST_CRITICAL_RATIO).unwrap_or(ratio),
-            subsonic_index,
-        };
-        [supply, exhaust]
-    }
-}
 
 /// rho_0, kg/m^3.
 pub const REFERENCE_DENSITY: f64 = 1.185;

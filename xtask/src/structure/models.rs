@@ -1,0 +1,162 @@
+//! Models of a component of which each has a file: no other source names one. All else asks a model through the trait of
+//! its component, so that a model more is a file and its line in `models!`.
+//!
+//! Refused are the variant (`Model::FlowNode`), and the word of the rig file as a literal (`"flow-node"`, in the crate of the
+//! list) or as a setting (`valve.model=flow-node`, in all crates).
+
+use std::path::Path;
+
+use anyhow::{Context, Result};
+use proc_macro2::{TokenStream, TokenTree};
+use quote::ToTokens;
+use syn::Item;
+
+use super::module::{Modules, Name};
+use super::paths::shown;
+
+/// A component with a list of models: its crate, the module of the list, and the key that has their words.
+const COMPONENTS: [(&str, &[&str], &str); 1] = [("sim", &["component", "valve", "model"], "valve.model")];
+
+/// A model as its list has it.
+struct Model {
+    word: String,
+    variant: String,
+    file: String,
+}
+
+/// What names a model outside of its file, in all crates of these folders.
+///
+/// # Errors
+/// When a source cannot be read, or a list is not found.
+pub fn named_elsewhere(root: &Path, crates: &[&str]) -> Result<Vec<String>> {
+    let mut broken = Vec::new();
+    for (home, list, key) in COMPONENTS {
+        let at_home = Modules::read(&root.join(home).join("src"))?;
+        let list: Name = list.iter().map(|step| (*step).to_owned()).collect();
+        let models =
+            listed(&at_home, &list).with_context(|| format!("{home}: no models! in {}", shown(&list)))?;
+        for folder in crates {
+            let is_home = *folder == home;
+            let modules = if is_home { &at_home } else { &Modules::read(&root.join(folder).join("src"))? };
+            let found = in_crate(modules, &models, is_home.then_some(&list), key);
+            broken.extend(found.into_iter().map(|text| format!("{folder}: {text}")));
+        }
+    }
+    Ok(broken)
+}
+
+/// What names a model in the modules of a crate; `list` is the module of the list, if it is in this crate.
+fn in_crate(modules: &Modules, models: &[Model], list: Option<&Name>, key: &str) -> Vec<String> {
+    let mut broken = Vec::new();
+    for (name, module) in &modules.0 {
+        let own = list.and_then(|list| name.strip_prefix(&list[..]));
+        if own.is_some_and(<[String]>::is_empty) {
+            continue;
+        }
+        let own = own.and_then(<[String]>::first);
+        let mut tokens = Vec::new();
+        module.items.iter().for_each(|item| flatten(item.to_token_stream(), &mut tokens));
+        for model in models.iter().filter(|model| own != Some(&model.file)) {
+            if names(&tokens, model, list.is_some(), key) {
+                broken.push(format!("{} names the model {:?} of {key}", shown(name), model.word));
+            }
+        }
+    }
+    broken
+}
+
+/// Whether the tokens name a model.
+fn names(tokens: &[String], model: &Model, is_home: bool, key: &str) -> bool {
+    let word = &model.word;
+    let literal = format!("{word:?}");
+    let settings = [format!("{key}={word}"), format!("{key} = \\\"{word}"), format!("{key}=\\\"{word}")];
+    let variant = ["Model", ":", ":", &model.variant];
+    tokens.windows(variant.len()).any(|some| some == variant)
+        || tokens.iter().filter(|token| token.starts_with('"')).any(|token| {
+            (is_home && *token == literal) || settings.iter().any(|setting| token.contains(setting.as_str()))
+        })
+}
+
+/// The models of the list in a module.
+fn listed(modules: &Modules, name: &Name) -> Option<Vec<Model>> {
+    let lists = modules.0.get(name)?.items.iter().filter_map(|item| match item {
+        Item::Macro(call) if call.mac.path.is_ident("models") => Some(call.mac.tokens.clone()),
+        _ => None,
+    });
+    let mut tokens = Vec::new();
+    flatten(lists.last()?, &mut tokens);
+    // "word" => Variant(file), ...
+    let lines = tokens.windows(5).filter(|some| some[1] == "=" && some[2] == ">");
+    let model = |some: &[String]| Model {
+        word: some[0].trim_matches('"').to_owned(),
+        variant: some[3].clone(),
+        file: some[4].clone(),
+    };
+    Some(lines.map(model).collect())
+}
+
+/// The tokens in their order, without groups and attributes.
+fn flatten(stream: TokenStream, found: &mut Vec<String>) {
+    let mut tokens = stream.into_iter().peekable();
+    while let Some(token) = tokens.next() {
+        match token {
+            TokenTree::Punct(sign) if sign.as_char() == '#' => {
+                tokens.next_if(|next| matches!(next, TokenTree::Group(_)));
+            }
+            TokenTree::Group(group) => flatten(group.stream(), found),
+            other => found.push(other.to_string()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+
+    use super::named_elsewhere;
+
+    const LIST: &str = r#"
+        mod plain;
+        models! { "plain-bore" => Plain(plain), "A bore."; }
+    "#;
+
+    /// What is found in a crate `sim` whose module `network` is this text, and in a crate `host` of that one.
+    fn found(network: &str, host: &str) -> Vec<String> {
+        let folder = tempfile::tempdir().expect("a folder");
+        for (path, text) in [
+            ("sim/src/lib.rs", "mod component; mod network;"),
+            ("sim/src/component.rs", "mod valve;"),
+            ("sim/src/component/valve.rs", "mod model;"),
+            ("sim/src/component/valve/model.rs", LIST),
+            ("sim/src/component/valve/model/plain.rs", "const MODEL: Model = Model::Plain;"),
+            ("sim/src/network.rs", network),
+            ("host/src/lib.rs", host),
+        ] {
+            let path = folder.path().join(path);
+            fs::create_dir_all(path.parent().expect("a folder")).expect("a folder");
+            fs::write(path, text).expect("a file");
+        }
+        named_elsewhere(folder.path(), &["sim", "host"]).expect("sources")
+    }
+
+    #[test]
+    fn a_model_is_named_in_its_file_and_in_its_list_only() {
+        assert!(found("fn of() {}", "").is_empty());
+        for (network, host) in [
+            ("fn of(m: Model) -> bool { matches!(m, Model::Plain | Model::Other) }", ""),
+            ("fn of(word: &str) -> bool { [\"plain-bore\"].contains(&word) }", ""),
+            ("", "fn of(m: valve::Model) -> bool { m == valve::Model::Plain }"),
+            ("", "const SETTING: &str = \"valve.model=plain-bore\";"),
+        ] {
+            let found = found(network, host);
+            assert_eq!(found.len(), 1, "{network}{host}: {found:?}");
+            assert!(found[0].ends_with("names the model \"plain-bore\" of valve.model"), "{found:?}");
+        }
+    }
+
+    #[test]
+    fn docs_tests_and_words_of_other_crates_may_name_a_model() {
+        let network = "/// As with valve.model=plain-bore.\nfn of() {}\n#[cfg(test)] mod tests { fn of() { Model::Plain } }";
+        assert!(found(network, "const QUESTION: &str = \"plain-bore\";").is_empty());
+    }
+}
