@@ -30,8 +30,13 @@ fn rig_check_names_file_line_and_key() {
         ),
         (
             "good.toml",
+            "[operator]\nmax_steps = 40\n",
+            "good.toml: operator.max_steps has no effect here\ngood.toml: a valid rig (rig)\n= 0",
+        ),
+        (
+            "idle.toml",
             "[operator]\nmax_steps = 3\n",
-            "good.toml: operator.max_steps is not used by the chosen model\ngood.toml: a valid rig (rig)\n= 0",
+            "! error: idle.toml:2: operator.max_steps: has no effect with operator.model = \"solenoid\": leave it out\n= 1",
         ),
     ] {
         fs::write(folder.path().join(name), text).expect("written");

@@ -91,7 +91,7 @@ pub enum Kind {
     Tables(&'static Tables),
     /// Text.
     Text,
-    /// Not built yet; only the default is accepted.
+    /// No equation has it; only the default is accepted.
     NotBuilt,
 }
 

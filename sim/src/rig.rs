@@ -20,6 +20,7 @@ mod spread;
 mod table;
 pub mod thesis;
 mod toml_file;
+mod used;
 mod value;
 
 pub use builtin::{BUILTIN, builtin};

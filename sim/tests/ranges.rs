@@ -39,7 +39,7 @@ fn companions(key: &Key) -> Vec<String> {
     let mut settings: Vec<&str> = match key.path {
         "actuator.leakage_coefficient" => vec!["actuator.leakage=laminar"],
         "actuator.passage_resistance" | "actuator.passage_clearance_m" => vec!["actuator.leakage=adiabatic"],
-        "valve.spool_rod_diameter_mm" | "valve.land_length_m" => vec!["valve.flow_force=analytical"],
+        "valve.spool_rod_diameter_mm" => vec!["valve.flow_force=experimental"],
         _ => Vec::new(),
     };
     if key.models.contains(&"iso-6358") || key.path == "valve.leakage_percent" {

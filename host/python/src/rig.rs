@@ -203,7 +203,7 @@ impl Rig {
         Ok(dict)
     }
 
-    /// Keys that were given but that the chosen models do not use.
+    /// Keys that were given and have no effect.
     #[getter]
     fn unused(&self) -> Vec<&'static str> {
         self.rig.unused()

@@ -27,7 +27,7 @@ macro_rules! keys_of_controller {
             CLOCK_ERROR_PERCENT: f64 = number("controller.clock_error_percent", 0.0, -10.0, 10.0, "", "How much longer a second of the controller's clock really is; the controller does not know it. Times of test, trace and records are those of its clock.");
             CLOCK_TOLERANCE_PERCENT: f64 = number("controller.clock_tolerance_percent", 0.5, 0.0, 10.0, "", "How far that clock may be off, for identify. 0.5 is an assumption: that of a ceramic resonator. A crystal has 0.005, an RC oscillator 1 and more; 0: exact.");
             START_S: f64 = number("controller.start_s", 0.0, 0.0, 60.0, "C(40)", "Time for which the drive runs with its valve at the null before the first sample, from the initial state of the test; whole microseconds. Times of test, trace and faults count from the first sample.");
-            GAIN_PROFILE: Vec<i64> = gain_profile();
+            GAIN_PROFILE: Vec<i64> = gain_profile().chosen_by(&LAW, &[Law::GainProfile.word()]);
             LEARN_NULL_OFFSET: bool = switch("controller.learn_null_offset", false, "8.2.3", "Whether the controller learns the command at which the valve is at its null.");
             LEARNING_GAIN: i64 = integer("controller.learning_gain", 256, 1, line(id::LEARNING_GAIN).max as i64, "8.2.3", "Part of the error at rest that is added to the null offset, divided by the scale; 1 in the thesis, which has no effect within a day.");
             PRESSURE_FEEDBACK_GAIN: f64 = number("controller.pressure_feedback_gain", 12.4, 0.0, 1e6, "C(68)", "Counts of error that a kPa of quasi-transient pressure difference subtracts: it damps (9.1.2). 12.4 is Burrows' k5 and the default of the on-off law (the thesis does not give its unit); 0 is that of the other laws.");

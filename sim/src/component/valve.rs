@@ -49,7 +49,6 @@ keys! {
     DISCHARGE_REVERSE: f64 = number("valve.discharge_reverse", 1.0, 0.01, 1.0, "C(58)", "Multiplier of the coefficient of discharge for reverse flow.").not_built();
     UPSTREAM_MACH: bool = switch("valve.upstream_mach", true, "", "Whether the speed counts at which a tube brings air to the ports of flow nodes; false sets every upstream Mach number to zero.").of(WITH_NODES);
     TURBULENCE: f64 = number("valve.turbulence", 1.0, 0.0, 1.0, "C(54)", "Every upstream Mach number is multiplied by it; 0 is upstream_mach = false.").of(WITH_NODES);
-    TABLE: bool = switch("valve.table", false, "", "Of former versions: flows from a table. Only false is accepted.");
     NULL_OFFSET_MM: f64 = number("valve.null_offset_mm", 0.0, -10.0, 10.0, "", "Spool position at which the valve is at its null.").of(WITH_SPOOL);
     NULL_DRIFT_MM_PER_H: f64 = number("valve.null_drift_mm_per_h", 0.0, -3600.0, 3600.0, "8.4", "How fast the valve\'s null moves, from null_offset_mm at the start of the test.").of(WITH_SPOOL);
 }
@@ -124,12 +123,6 @@ pub(crate) fn check(rig: &Rig, findings: &mut Findings) {
     lands::check(rig, findings);
     let why = "the spool moves inside the sleeve";
     findings.not_above(rig, &keys::SPOOL_DIAMETER_MM, &keys::SLEEVE_DIAMETER_MM, why);
-    // Earlier versions could read the flows of the nodes from a table.
-    if rig.get(&keys::TABLE) {
-        let message =
-            "flows are no longer read from a table, which was slower than solving them: leave the key out";
-        findings.note(&keys::TABLE, message);
-    }
     rig.get(&keys::MODEL).check(rig, findings);
 }
 

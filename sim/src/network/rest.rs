@@ -16,7 +16,7 @@
 //! infinite. So a small flow through such a land is laminar (EQUATIONS section 3):
 //!
 //! ```text
-//! m sqrt(m^2 + m_l^2) = K/T psi,   m_l a thousandth of the land's choked flow
+//! m sqrt(m^2 + m_l^2) = K/T psi,   m_l a thousandth of the land's choked flow from its supply or exhaust
 //! ```
 
 use super::nodes::{Nodes, Surroundings};

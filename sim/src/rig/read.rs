@@ -32,7 +32,7 @@ impl Rig {
     }
 
     /// Values that the file does not give and that follow from others.
-    fn suit_others(&mut self) {
+    pub(super) fn suit_others(&mut self) {
         self.suit_drive_stage();
         self.suit_law();
         self.suit_period();
@@ -119,6 +119,7 @@ impl Rig {
         self.suit_others();
         if reader.file.problems.is_empty() {
             let mut findings = Findings::default();
+            self.note_idle(&reader.in_vain, &mut findings);
             check(&self, &mut findings);
             reader.note(findings);
         }
@@ -157,6 +158,10 @@ impl RigFile {
     fn into_rig(self, settings: &[String]) -> Result<Rig, Problems> {
         let RigFile { source, mut rig, noted } = self;
         let mut reader = Reader::resume(&source, noted);
+        // A setting may take the effect of a key of the file away.
+        let mut of_file = rig.clone();
+        of_file.suit_others();
+        reader.in_vain = of_file.written_in_vain();
         for setting in settings {
             reader.setting(&mut rig, setting);
         }

@@ -1,6 +1,6 @@
 //! Takes a rig file apart: every problem with its file, line and key.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use toml_edit::{ArrayOfTables, Item, Table, TableLike};
 
@@ -25,6 +25,8 @@ pub(super) struct Reader<'a> {
     lines: BTreeMap<&'static str, Option<usize>>,
     /// Gauge pressures: they wait until the pressure of the surroundings is known.
     gauge: BTreeMap<&'static str, Entry>,
+    /// Keys of the file that have no effect in its own rig.
+    pub in_vain: BTreeSet<&'static str>,
 }
 
 /// The contents of a file that a reader keeps for later settings.
@@ -48,7 +50,8 @@ struct Entry {
 impl<'a> Reader<'a> {
     /// Reads a file or settings for messages under the name `source`.
     pub fn new(source: &'a str, text: &'a str) -> Self {
-        Reader { file: TomlFile::new(source, text), lines: BTreeMap::new(), gauge: BTreeMap::new() }
+        let file = TomlFile::new(source, text);
+        Reader { file, lines: BTreeMap::new(), gauge: BTreeMap::new(), in_vain: BTreeSet::new() }
     }
 
     /// Goes on after a file that was read under the name `source`.
@@ -56,12 +59,12 @@ impl<'a> Reader<'a> {
         let Noted { problems, lines, gauge } = noted;
         let mut file = TomlFile::new(source, "");
         file.problems = problems;
-        Reader { file, lines, gauge }
+        Reader { file, lines, gauge, in_vain: BTreeSet::new() }
     }
 
     /// The values found in the file.
     pub fn into_noted(self) -> Noted {
-        let Reader { file, lines, gauge } = self;
+        let Reader { file, lines, gauge, .. } = self;
         Noted { problems: file.problems, lines, gauge }
     }
 

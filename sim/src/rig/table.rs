@@ -89,13 +89,6 @@ impl Rig {
         all_keys().filter_map(|key| self.values.get(key.path).map(|value| (key, value)))
     }
 
-    /// Keys that were set but that the chosen models do not use.
-    #[must_use]
-    pub fn unused(&self) -> Vec<&'static str> {
-        let unused = |key: &&Key| self.is_set(key) && !self.uses(key);
-        all_keys().filter(unused).map(|key| key.path).collect()
-    }
-
     /// Whether the chosen models use a key: the model that it belongs to, and the model of the key that chooses among
     /// these.
     #[must_use]

@@ -178,7 +178,7 @@ fn moves(item: &Item) -> Result<Value, String> {
         .map(Value::Moves)
 }
 
-/// A key that is not built yet takes its default and nothing else.
+/// A key that no equation has takes its default and nothing else.
 fn not_built(key: &Key, item: &Item) -> Result<Value, String> {
     let given = match key.preset {
         Preset::Number(_) => real(item).map(Value::Number),
@@ -187,6 +187,6 @@ fn not_built(key: &Key, item: &Item) -> Result<Value, String> {
     };
     match given {
         Some(value) if Some(&value) == preset_value(&key.preset).as_ref() => Ok(value),
-        _ => Err(format!("{} is not built yet; leave it out", key.path)),
+        _ => Err(format!("{} has no effect: leave it out", key.path)),
     }
 }

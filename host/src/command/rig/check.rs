@@ -18,7 +18,7 @@ const SHOWN: usize = 8;
 pub(super) fn execute(file: &str, quick: bool) -> Result<()> {
     let rig = load_rig(file, &[])?;
     for key in rig.unused() {
-        say!("{file}: {key} is not used by the chosen model");
+        say!("{file}: {key} has no effect here");
     }
     let is_to_run = builtin(file).is_none() && !quick;
     if is_to_run {

@@ -27,11 +27,11 @@ macro_rules! parameter_table {
                  3 OPEN_LOOP "open_loop" "" [0, 1, 0] (LOOP "loop" Words(Loop)) "L(3)" "Open: moves are valve commands, nothing is fed back.";
                  1 PERIOD_US "period_us" "us" [100, 100_000, 1300] (PERIOD_S "period_s" Scaled(6)) "C(41)" "Sample period; whole microseconds.";
                  2 DELAY_US "delay_us" "us" [1, 99_999, 500] (DELAY_S "delay_s" Scaled(6)) "C(26)" "From a sample to its output; whole microseconds, less than the period.";
-                 5 PROFILE_SPAN_COUNTS "profile_span_counts" "counts" [1, 65_535, 4] (Whole) "L(67)" "Range of error that one entry of the gain profile covers.";
+                 5 PROFILE_SPAN_COUNTS "profile_span_counts" "counts" [1, 65_535, 4] (Whole) "L(67)" "Range of error that one entry of the gain profile covers." only GainProfile;
                  6 PROPORTIONAL_GAIN "proportional_gain" "" [0, GAIN_MAX, 1] (Whole) "C(21)" "Gain of the laws without a profile.";
                 65 INTEGRAL_GAIN "integral_gain" "" [0, GAIN_MAX, 0] (Whole) "" "Gain on the sum of the errors at the samples, in 256ths; 0: off." only Pid;
                 66 INTEGRAL_BAND_COUNTS "integral_band_counts" "counts" [0, COUNT_MAX, 0] (Whole) "" "Errors beyond it are not summed; 0: all are." only Pid;
-                31 DEAD_ZONE_COUNTS "dead_zone_counts" "counts" [0, COMMAND_MAX, 102] (Whole) "" "Moore's law adds it in the direction of the error: what takes the spool across its dead zone. 102 for the DAC, 4 steps for the stepper: 0.05 mm, half of the hysteresis C(29).";
+                31 DEAD_ZONE_COUNTS "dead_zone_counts" "counts" [0, COMMAND_MAX, 102] (Whole) "" "Moore's law adds it in the direction of the error: what takes the spool across its dead zone. 102 for the DAC, 4 steps for the stepper: 0.05 mm, half of the hysteresis C(29)." only MooreProportional;
                  7 VELOCITY_GAIN "velocity_gain" "" [0, GAIN_MAX, 1] (Whole) "C(43)" "Gain on counts per velocity window; the thesis's 1 gives no damping, about 1000 does.";
                  8 ACCELERATION_GAIN "acceleration_gain" "" [0, GAIN_MAX, 1] (Whole) "C(44)" "Gain on counts per velocity and acceleration window.";
                 57 VELOCITY_FEED_FORWARD "velocity_feed_forward" "" [0, GAIN_MAX, 0] (Whole) "" "Gain on the setpoint's own counts per velocity window while a profile moves it; as much as velocity_gain takes the damping off that motion.";
@@ -41,7 +41,7 @@ macro_rules! parameter_table {
                 11 VELOCITY_DEAD_BAND "velocity_dead_band" "counts/window" [0, COUNT_MAX, 0] (Whole) "C(45)" "Velocities below it, in counts per velocity window, count as standstill; 0: off.";
                 13 SCALE "scale" "" [1, COUNT_MAX, 256] (Whole) "L(68)" "The law's sum is divided by it: 256 for the DAC, 65536 for the stepper.";
                 12 DEAD_BAND_COUNTS "dead_band_counts" "counts" [0, COUNT_MAX, 0] (Whole) "C(27)" "Errors below it ask for nothing; 0: off. For the on-off law the dead zone of its relay.";
-                32 RELAY_HYSTERESIS_COUNTS "relay_hysteresis_counts" "counts" [0, COUNT_MAX, 0] (Whole) "" "The relay of the on-off law drops out this much below dead_band_counts, at which it picks up.";
+                32 RELAY_HYSTERESIS_COUNTS "relay_hysteresis_counts" "counts" [0, COUNT_MAX, 0] (Whole) "" "The relay of the on-off law drops out this much below dead_band_counts, at which it picks up." only OnOff;
                 14 NULL_OFFSET_COUNTS "null_offset_counts" "counts" [-COMMAND_MAX, COMMAND_MAX, 0] (Whole) "8.2.3" "Command at which the valve is at its null; added to the demand.";
                 37 FORCED_EXIT_US "forced_exit_us" "us" [1000, TIME_MAX, 1_420_000] (FORCED_EXIT_S "forced_exit_s" Scaled(6)) "C(31)" "Time for each of test.targets.";
                 38 ON_ARRIVAL "on_arrival" "" [0, 1, 0] (EXIT_ON_DEAD_BAND "exit_on_dead_band" Switch) "L(11)" "Whether a target also ends when it has arrived: tolerance_counts, monitoring_s, dwell_s; with test.targets.";

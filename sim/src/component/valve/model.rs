@@ -179,6 +179,8 @@ macro_rules! words_where {
 words_where!("Models whose lands have areas." WITH_AREAS: |facts| facts.has_areas());
 words_where!("Models with lands." WITH_LANDS: |facts| facts.has_lands());
 words_where!("Models with a spool." WITH_SPOOL: |facts| facts.has_spool);
+words_where!("Models with restrictions in place of tubes." WITH_CONNECTORS: |facts| facts.replaces_tubes);
+words_where!("Models with tubes." WITH_TUBES: |facts| !facts.replaces_tubes);
 words_where!("Models with flow nodes." WITH_NODES: |facts| facts.has_node);
 
 models! {

@@ -5,7 +5,7 @@ use crate::key::keys;
 use crate::values::Rig;
 
 keys! {
-    CONNECTOR_DIAMETER_MM: Option<f64> = optional_number("valve.connector_diameter_mm", 0.01, 500.0, "tubing.diameter_mm", "C(63)", "Bore of the connectors: the restrictions at the cylinder.").of(&["multiple-flow-node"]);
+    CONNECTOR_DIAMETER_MM: Option<f64> = optional_number("valve.connector_diameter_mm", 0.1, 500.0, "tubing.diameter_mm", "C(63)", "Bore of the connectors: the restrictions at the cylinder.").of(&["multiple-flow-node"]);
 }
 
 /// Lands, ports and connectors by their areas.
