@@ -79,12 +79,12 @@ fn names(tokens: &[String], model: &Model, is_home: bool, key: &str) -> bool {
 
 /// The models of the list in a module.
 fn listed(modules: &Modules, name: &Name) -> Option<Vec<Model>> {
-    let lists = modules.0.get(name)?.items.iter().filter_map(|item| match item {
+    let mut lists = modules.0.get(name)?.items.iter().filter_map(|item| match item {
         Item::Macro(call) if call.mac.path.is_ident("models") => Some(call.mac.tokens.clone()),
         _ => None,
     });
     let mut tokens = Vec::new();
-    flatten(lists.last()?, &mut tokens);
+    flatten(lists.next_back()?, &mut tokens);
     // "word" => Variant(file), ...
     let lines = tokens.windows(5).filter(|some| some[1] == "=" && some[2] == ">");
     let model = |some: &[String]| Model {

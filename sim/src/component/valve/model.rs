@@ -189,4 +189,5 @@ models! {
     "multiple-flow-node" => MultipleFlowNode(multiple_flow_node), "As the flow node, with a restriction in place of each tube to the cylinder.";
     "iso-6358" => ByConductance(by_conductance), "The lands are components by their conductance.";
     "flow-map" => ByMap(by_map), "The lands have a measured map.";
+    "poppet" => Poppet(poppet), "Seats, each by its conductance, that open on or off.";
 }
