@@ -331,7 +331,10 @@ class Operator(Table):
         """Time from a change of a stepper's direction to the pulse, kept by the board, us."""
     @property
     def switch_time_s(self) -> float:
-        """Time from state to state of an on-off valve, s."""
+        """Time in which an on-off valve opens, from closed to fully open, s."""
+    @property
+    def switch_off_time_s(self) -> float | None:
+        """Time in which it closes again, s."""
 
 class Valve(Table):
     @property
@@ -356,9 +359,6 @@ class Valve(Table):
     def port_diameter_mm(self) -> float:
         """Bore of the ports, mm."""
     @property
-    def connector_diameter_mm(self) -> float:
-        """Bore of the connectors: the alternative to tubing.diameter_mm for the multiple flow node; not used, as in the reference, mm."""
-    @property
     def discharge_supply(self) -> float:
         """Coefficient of discharge of the supply lands and the ports."""
     @property
@@ -373,9 +373,6 @@ class Valve(Table):
     @property
     def turbulence(self) -> float:
         """Every upstream Mach number is multiplied by it; 0 is upstream_mach = false."""
-    @property
-    def table(self) -> bool:
-        """Of former versions: flows from a table. Only false is accepted."""
     @property
     def null_offset_mm(self) -> float:
         """Spool position at which the valve is at its null, mm."""
@@ -393,10 +390,13 @@ class Valve(Table):
         """C_Fout: the same for air that comes out."""
     @property
     def land_length_m(self) -> float:
-        """Length of the lands. It has no effect: it weighs the rates of change of the mass flows, which the flow forces leave out, m."""
+        """Length of the lands: it weighs the rates of change of the mass flows, which the flow forces leave out, m."""
     @property
     def discharge_model(self) -> str:
         """How the coefficient of discharge depends on the pressure ratio."""
+    @property
+    def connector_diameter_mm(self) -> float | None:
+        """Bore of the connectors: the restrictions at the cylinder, mm."""
     @property
     def sonic_conductance_m3_per_s_pa(self) -> float | None:
         """Sonic conductance of the path from the supply to a port, fully open, m3/(s Pa)."""
@@ -413,20 +413,32 @@ class Valve(Table):
     def subsonic_index(self) -> float:
         """Exponent of the flow above the critical ratio, of all paths; 0.5 is the ellipse."""
     @property
+    def flow_map(self) -> list[list[float]] | None:
+        """Measured flows of the path to port 1 at 20 C: each place of the spool, in percent of its travel, with each ratio of absolute pressures."""
+    @property
+    def flow_map_shift(self) -> float:
+        """By how many of its standard deviations each flow of the map is taken higher."""
+    @property
+    def seat_conductance_m3_per_s_pa(self) -> float | None:
+        """Sonic conductance C of the seat between the supply and a port, fully open, m3/(s Pa)."""
+    @property
+    def seat_critical_ratio(self) -> float | None:
+        """Critical pressure ratio b of that seat."""
+    @property
+    def exhaust_seat_conductance_m3_per_s_pa(self) -> float | None:
+        """Sonic conductance C of the seat between a port and the exhaust, fully open, m3/(s Pa)."""
+    @property
+    def exhaust_seat_critical_ratio(self) -> float | None:
+        """Critical pressure ratio b of that seat."""
+    @property
     def characteristic(self) -> str:
-        """How the conductance of a path follows the spool: as the area of a land, in proportion to the opening, or by a table; other models than iso-6358 have lands."""
+        """How the conductance of a path follows the spool: as the area of a land, in proportion to the opening, or by a table; a valve by its areas has lands."""
     @property
     def leakage_percent(self) -> float:
         """Conductance of a shut path, of that of the open one, %."""
     @property
     def characteristic_table(self) -> list[list[float]] | None:
         """Conductance of path 1 over the spool, both in percent of their largest; -100 to 100 % of the spool, or as far as anything changes."""
-    @property
-    def flow_map(self) -> list[list[float]] | None:
-        """Measured flows of the path to port 1 at 20 C: each place of the spool, in percent of its travel, with each ratio of absolute pressures."""
-    @property
-    def flow_map_shift(self) -> float:
-        """By how many of its standard deviations each flow of the map is taken higher."""
 
 class Tubing(Table):
     @property
@@ -525,7 +537,7 @@ class Load(Table):
         """Coulomb friction, retracting, N."""
     @property
     def velocity_threshold_m_s(self) -> float:
-        """Velocity below which the thesis's model sticks; here sticking is an event at exactly zero, and this is not used, m/s."""
+        """Velocity below which the thesis's model sticks; here sticking is an event at exactly zero, m/s."""
     @property
     def bristle_stiffness_n_per_m(self) -> float:
         """Stiffness of the bristles, s_0: that of a load before it slides, N/m."""
