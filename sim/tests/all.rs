@@ -17,6 +17,7 @@ mod extremes;
 mod faults;
 mod follow;
 mod hysteresis;
+mod keys_in_use;
 mod lagged_tubes;
 mod mechanics;
 mod physics;
