@@ -20,6 +20,7 @@ use crate::choice::laws;
 pub use crate::choice::{Law, Loop};
 use crate::estimator::Motion;
 use crate::parameters::{Parameters, id};
+use crate::profile::Point;
 
 /// The constants that laws share. Gains are plain numbers; `scale` makes the demand valve counts.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -71,6 +72,8 @@ pub(crate) struct Reference {
     pub error: i32,
     /// n_f, of the setpoint's own motion.
     pub feed_forward: i64,
+    /// That motion itself, while a profile moves the setpoint, for laws that follow it without n_f.
+    pub point: Option<Point>,
 }
 
 /// What is measured at a sample.

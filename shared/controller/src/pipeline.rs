@@ -111,7 +111,7 @@ impl State {
     fn demand_of_law(&mut self, config: &Config, error: i32, motion: &Motion) -> i32 {
         match &config.law.settings {
             Settings::GainProfile(profile) if config.law.pressure_gain == 0 => {
-                let reference = Reference { error, feed_forward: self.sequencer.feed_forward() };
+                let reference = Reference { error, feed_forward: self.sequencer.feed_forward(), point: None };
                 // No pressure is looked at with this gain at 0.
                 let measured = Measured { motion, pressures: [0; 2], learned: self.null_offset.counts() };
                 profile.demand(&config.law, measured, reference)
@@ -127,7 +127,8 @@ impl State {
         let Observation { position, velocity, acceleration, pressure_1, pressure_2, .. } = self.observation;
         let motion = Motion { position, step: 0, velocity, acceleration };
         let pressures = [pressure_1, pressure_2];
-        let reference = Reference { error, feed_forward: self.sequencer.feed_forward() };
+        let (feed_forward, point) = (self.sequencer.feed_forward(), self.sequencer.point());
+        let reference = Reference { error, feed_forward, point };
         let measured = Measured { motion: &motion, pressures, learned: self.null_offset.counts() };
         self.law.demand(&config.law, measured, reference)
     }

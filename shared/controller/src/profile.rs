@@ -169,6 +169,35 @@ pub(crate) struct Progress {
     at: i64,
     /// Its motion in the sample before, in 2^-30 counts.
     velocity: i64,
+    acceleration: i64,
+}
+
+/// A point of a course in time, with what a law needs that follows it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Point {
+    /// Counts, in 2^-16.
+    pub x: i64,
+    /// Counts a sample, in 2^-16.
+    pub v: i32,
+    /// Counts per sample squared, in 2^-16.
+    pub a: i32,
+    /// Counts per sample cubed, in 2^-24.
+    pub j: i32,
+}
+
+impl Point {
+    /// At rest in the middle of a count.
+    pub(crate) fn at(count: i32) -> Point {
+        Point { x: (i64::from(count) << 16) + (1 << 15), ..Point::default() }
+    }
+
+    /// Its motion so many samples later (2^-16) if its jerk stays; the place is not followed.
+    pub(crate) fn later(self, samples: i32) -> Point {
+        let changed = saturate((i64::from(self.j) * i64::from(samples)) >> 24);
+        let mean = self.a.saturating_add(changed >> 1);
+        let faster = saturate((i64::from(mean) * i64::from(samples)) >> 16);
+        Point { v: self.v.saturating_add(faster), a: self.a.saturating_add(changed), ..self }
+    }
 }
 
 /// A sample of a profile.
@@ -180,6 +209,8 @@ pub(crate) struct Waypoint {
     pub velocity: i32,
     /// Counts per sample squared, in 2^-12.
     pub acceleration: i32,
+    /// The same, finer.
+    pub point: Point,
     /// Whether it is the last one.
     pub last: bool,
 }
@@ -195,7 +226,15 @@ impl Progress {
             Profile::Wave(wave) => about(wave.amplitude, [0, wave.rate, 0]),
             Profile::Noise(noise) => about(noise.amplitude, [1, 0, 0]),
         };
-        Progress { k: 0, base, span, sums, at: i64::from(base) << FRACTION_BITS, velocity: 0 }
+        Progress {
+            k: 0,
+            base,
+            span,
+            sums,
+            at: i64::from(base) << FRACTION_BITS,
+            velocity: 0,
+            acceleration: 0,
+        }
     }
 
     /// The setpoint of the sample at which the move begins, counts.
@@ -212,14 +251,16 @@ impl Progress {
         let at = (i64::from(self.base) << FRACTION_BITS) + self.span.wrapping_mul(self.factor(profile));
         let setpoint = rounded(at, FRACTION_BITS);
         if matches!(profile, Profile::Noise(_)) {
-            return Waypoint { setpoint, ..Waypoint::default() };
+            return Waypoint { setpoint, point: Point::at(setpoint), ..Waypoint::default() };
         }
         let velocity = at.wrapping_sub(self.at);
         // What went before a profile is no motion of it.
         let acceleration = if self.k == 1 { 0 } else { velocity.wrapping_sub(self.velocity) };
-        (self.at, self.velocity) = (at, velocity);
+        let jerk = if self.k <= 2 { 0 } else { acceleration.wrapping_sub(self.acceleration) };
+        (self.at, self.velocity, self.acceleration) = (at, velocity, acceleration);
+        let point = point(at, [velocity, acceleration, jerk]);
         let [velocity, acceleration] = [velocity, acceleration].map(|difference| rounded(difference, 18));
-        Waypoint { setpoint, velocity, acceleration, last: false }
+        Waypoint { setpoint, velocity, acceleration, point, last: false }
     }
 
     /// The factor at sample k, in 2^-30.
@@ -243,6 +284,17 @@ impl Progress {
                 if *register & 1 == 0 { -ONE } else { ONE }
             }
         }
+    }
+}
+
+/// A point by a place and its backward differences, all in 2^-30 counts:
+/// v = D x + D^2 x/2 + D^3 x/3,   a = D^2 x + D^3 x,   j = D^3 x.
+fn point(at: i64, [first, second, third]: [i64; 3]) -> Point {
+    Point {
+        x: (at >> 14) + (1 << 15),
+        v: rounded(first.wrapping_add(second >> 1).wrapping_add((third >> 2) + (third >> 4)), 14),
+        a: rounded(second.wrapping_add(third), 14),
+        j: rounded(third, 6),
     }
 }
 

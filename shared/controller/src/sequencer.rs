@@ -22,7 +22,7 @@
 //! samples ([`crate::State::prepare`]); a sample that finds none computes it. A move with an unfinished profile has
 //! not arrived. The next move, or the end of the run, cuts a profile short.
 
-use crate::profile::{Profile, Progress, Waypoint};
+use crate::profile::{Point, Profile, Progress, Waypoint};
 pub use crate::sequence::{MAX_MOVES, Move, Sequence, SequenceError};
 
 /// When a move counts as complete, and what follows it.
@@ -80,6 +80,7 @@ pub enum Arrival {
 struct Ahead {
     setpoint: i32,
     feed_forward: i64,
+    point: Point,
     last: bool,
 }
 
@@ -177,7 +178,8 @@ impl Sequencer {
         let Some(Move { target, profile, .. }) = sequence.get(self.in_force) else { return };
         let waypoint = self.progress.advance(profile, *target);
         let feed_forward = config.feed_forward.sum(&waypoint);
-        self.ahead = Ahead { setpoint: waypoint.setpoint, feed_forward, last: waypoint.last };
+        let Waypoint { setpoint, point, last, .. } = waypoint;
+        self.ahead = Ahead { setpoint, feed_forward, point, last };
         self.prepared = true;
     }
 
@@ -262,6 +264,7 @@ impl Sequencer {
         self.in_force = self.next_move;
         self.progress = Progress::new(profile, before, self.next_target);
         self.setpoint = self.progress.first();
+        self.ahead.point = Point::at(self.setpoint);
         self.prepared = false;
         self.outside_at = self.taken.wrapping_add(1);
     }
@@ -330,6 +333,11 @@ impl Sequencer {
     /// The law's feed-forward for the motion of that setpoint, in the units of its sum.
     pub(crate) fn feed_forward(&self) -> i64 {
         self.feed_forward
+    }
+
+    /// Where a profile is at the sample taken last, while one is under way.
+    pub(crate) fn point(&self) -> Option<Point> {
+        self.follows.then_some(self.ahead.point)
     }
 
     /// Samples taken: k of the next one.

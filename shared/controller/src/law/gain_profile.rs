@@ -112,7 +112,7 @@ mod tests {
     #[test]
     fn a_moving_setpoint_asks_for_its_feed_forward_in_the_dead_band_too() {
         let fed_forward = |feed_forward| {
-            let reference = Reference { error: 3, feed_forward };
+            let reference = Reference { error: 3, feed_forward, point: None };
             demand(|law, _| law.dead_band = 8, &Motion::default(), reference)
         };
         assert_eq!([256 * 50, 0].map(fed_forward), [(3 * 8192 + 256 * 50) / 256, 0]);
@@ -121,7 +121,8 @@ mod tests {
     #[test]
     fn the_largest_feed_forward_is_saturated_once_with_the_rest() {
         for (sign, expected) in [(1, i32::MAX), (-1, i32::MIN)] {
-            let reference = Reference { error: sign as i32 * i32::MAX, feed_forward: sign << 48 };
+            let reference =
+                Reference { error: sign as i32 * i32::MAX, feed_forward: sign << 48, point: None };
             let whole = |law: &mut LawConfig, _: &mut Settings| law.scale = NonZeroU32::MIN;
             assert_eq!(demand(whole, &Motion::default(), reference), expected);
         }
