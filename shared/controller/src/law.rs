@@ -7,6 +7,7 @@
 //! In open loop there is no law: the demand is the setpoint. What was learned of the valve's null ([`crate::learning`]) is added
 //! to the null offset.
 
+pub mod cascade;
 mod feedback;
 pub mod gain_profile;
 pub mod moore_proportional;

@@ -123,6 +123,13 @@ const TIME_MAX: i32 = 2_000_000_000;
 const SECOND_MS: i32 = 1000;
 const HOUR_MS: i32 = 3_600_000;
 const CODE_MAX: i32 = crate::drive::MAX_CODE as i32;
+/// 1 of a pressure or a force of the law "cascade".
+const UNIT: i32 = 1 << 24;
+const LENGTH_MAX: i32 = 1 << 24;
+const FLOW_MAX: i32 = 1 << 28;
+const ACCELERATION_MAX: i32 = 1 << 28;
+const DECAY: i32 = 1 << 30;
+const SPOOL_MAX: i32 = (COMMAND_MAX) << 16;
 const LAW_MAX: i32 = Law::ALL.len() as i32 - 1;
 const ENCODER_MAX: i32 = EncoderKind::ALL.len() as i32 - 1;
 

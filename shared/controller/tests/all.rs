@@ -2,6 +2,7 @@
 
 mod axis;
 mod bench;
+mod cascade;
 mod homing;
 mod oracle;
 mod pid;

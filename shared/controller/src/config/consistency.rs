@@ -11,9 +11,11 @@
 //! | limits of positions, ends, pressures, spool | the lower below the upper one |
 //! | `homing_command_counts` | not 0: the axis would stand |
 //! | `direction_setup_us`, `pulse_width_us`, `period_us` | together below the period |
+//! | `law`, `cascade_stroke`, `pressure_sensors`, `stepper` | the law cascade has a model of its drive, knows the pressures, and moves a spool |
 //! | the law's gain on pressures, `pressure_sensors` | no gain without sensors |
 
 use super::{ConfigError, NONE_IS_HIGH};
+use crate::choice::Law;
 use crate::law::pressure_gain;
 use crate::parameters::{Parameters, id};
 
@@ -32,12 +34,14 @@ pub(super) fn check(parameters: &Parameters) -> Result<(), ConfigError> {
 }
 
 /// Whether each rule holds.
-fn rules(parameters: &Parameters) -> [(bool, ConfigError); 13] {
+fn rules(parameters: &Parameters) -> [(bool, ConfigError); 14] {
     let get = |id| i64::from(parameters.scalar(id));
     let below = |lower, upper| get(lower) < get(upper);
     let within_period = |first, second| get(first) + get(second) < get(id::PERIOD_US);
     let full = (1 << get(id::SENSOR_BITS)) - 1;
     let none_is_high = get(id::SENSOR_HIGH_RAW) == i64::from(NONE_IS_HIGH);
+    let is_cascade = Law::of(parameters.scalar(id::LAW)) == Law::Cascade && get(id::OPEN_LOOP) == 0;
+    let has_model = get(id::CASCADE_STROKE) > 0 && get(id::PRESSURE_SENSORS) != 0 && get(id::STEPPER) == 0;
     let range = get(id::POSITION_MAX_COUNTS) - get(id::POSITION_MIN_COUNTS);
     [
         (below(id::DELAY_US, id::PERIOD_US), ConfigError::DelayNotBelowPeriod),
@@ -53,6 +57,7 @@ fn rules(parameters: &Parameters) -> [(bool, ConfigError); 13] {
         (get(id::HOMING_COMMAND_COUNTS) != 0, ConfigError::HomingStandsStill),
         (within_period(id::DIRECTION_SETUP_US, id::PULSE_WIDTH_US), ConfigError::PulseTooLong),
         (get(id::PRESSURE_SENSORS) != 0 || pressure_gain(parameters) == 0, ConfigError::NothingToFeedBack),
+        (!is_cascade || has_model, ConfigError::NoModel),
     ]
 }
 
@@ -74,7 +79,7 @@ mod tests {
     fn each_rule_ends_where_it_says() {
         use ConfigError as Error;
         type Changes = &'static [(u16, i32)];
-        let cases: [(Changes, Changes, Error); 13] = [
+        let cases: [(Changes, Changes, Error); 14] = [
             (&[(id::DELAY_US, 1199)], &[(id::DELAY_US, 1300)], Error::DelayNotBelowPeriod),
             (&[(id::LATE_SAMPLE_US, 1299)], &[(id::LATE_SAMPLE_US, 1300)], Error::LateSampleNotBelowPeriod),
             (&[(id::LATE_OUTPUT_US, 799)], &[(id::LATE_OUTPUT_US, 800)], Error::LateOutputBehindPeriod),
@@ -111,6 +116,11 @@ mod tests {
                 &[(id::PRESSURE_SENSORS, 0), (id::LAW, 3), (id::PRESSURE_FEEDBACK_GAIN, 0)],
                 &[(id::PRESSURE_SENSORS, 0), (id::PRESSURE_DAMPING_GAIN, 1)],
                 Error::NothingToFeedBack,
+            ),
+            (
+                &[(id::LAW, Law::Cascade as i32), (id::CASCADE_STROKE, 1)],
+                &[(id::LAW, Law::Cascade as i32), (id::CASCADE_STROKE, 0)],
+                Error::NoModel,
             ),
         ];
         assert_eq!(cases.len(), rules(&Parameters::default()).len(), "a case for each");

@@ -1,0 +1,119 @@
+//! The air: what the chambers make of motion and flow, by their measured pressures.
+//!
+//! ```text
+//! force       F = P1 - r P2 - Pe (1 - r)                              r = A_2/A_1
+//! lengths     L1 = l1 + x,   L2 = l2 + stroke - x                     V_i/A_i, dead volumes in them
+//! stiffness   K = n (P1/L1 + r P2/L2)                                 force a count
+//! a path      phi(P, y) = P sqrt(y (2 - y)),  0 <= y <= 1             ISO 6358: P_u times the share of the choked flow
+//! extending   E = c_s phi(1, k_s (1 - P1))/L1 + c_e phi(P2, k_e (1 - Pe/P2))/L2      force a sample, valve open
+//! retracting  R = c_e phi(P1, k_e (1 - Pe/P1))/L1 + c_s phi(1, k_s (1 - P2))/L2
+//! ```
+//!
+//! Pressures are parts of the supply's, forces parts of what that does on area 1. k = 1/(1 - b).
+//!
+//! | quantity | format | range | largest error |
+//! |---|---|---|---|
+//! | P, F | Q24 | 0 to 2, -2 to 2 | 2^-23 |
+//! | L | counts | 16 to 2^25 | 1 |
+//! | 1/L | Q32 | | 2^-32 |
+//! | K | Q30 | 0 to 0.7 | 3e-4 of it at 1 m and 10 um |
+//! | E, R | Q24 | 0 to 16 | 6e-4 of the largest |
+
+use super::number::{product, root};
+use crate::fixed::saturate;
+use crate::parameters::{Parameters, id};
+
+/// 1 of a pressure and of a force.
+pub(super) const ONE: i32 = 1 << 24;
+
+/// What it knows of cylinder and valve.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Constants {
+    offset: i32,
+    gain: i32,
+    /// Pe.
+    pub(super) exhaust: i32,
+    /// r.
+    pub(super) ratio: i32,
+    dead: [i32; 2],
+    pub(super) stroke: i32,
+    /// n, Q16.
+    exponent: i32,
+    /// c and k of the path from the supply and of that to the exhaust, Q16.
+    flow: [i32; 2],
+    steepness: [i32; 2],
+}
+
+/// The air at a sample.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Air {
+    /// K, Q30.
+    pub stiffness: i32,
+    /// E, Q24.
+    pub extend: i32,
+    /// R, Q24.
+    pub retract: i32,
+}
+
+impl Constants {
+    pub(super) fn of(parameters: &Parameters) -> Constants {
+        let get = |id| parameters.scalar(id);
+        Constants {
+            offset: get(id::CASCADE_PRESSURE_OFFSET),
+            gain: get(id::CASCADE_PRESSURE_GAIN),
+            exhaust: get(id::CASCADE_EXHAUST_PRESSURE),
+            ratio: get(id::CASCADE_AREA_RATIO),
+            dead: [get(id::CASCADE_DEAD_LENGTH_1), get(id::CASCADE_DEAD_LENGTH_2)],
+            stroke: get(id::CASCADE_STROKE),
+            exponent: get(id::CASCADE_EXPONENT),
+            flow: [get(id::CASCADE_FLOW_SUPPLY), get(id::CASCADE_FLOW_EXHAUST)],
+            steepness: [get(id::CASCADE_STEEPNESS_SUPPLY), get(id::CASCADE_STEEPNESS_EXHAUST)],
+        }
+    }
+
+    /// P of a raw pressure; no less than half of Pe.
+    pub(super) fn pressure(&self, raw: i16) -> i32 {
+        let pressure = self.offset.saturating_add(product(self.gain, raw.into(), 6));
+        pressure.min(2 * ONE - 1).max(self.exhaust / 2)
+    }
+
+    /// F.
+    pub(super) fn force(&self, [one, two]: [i32; 2]) -> i32 {
+        one - product(self.ratio, two, 24) - product(self.exhaust, ONE - self.ratio, 24)
+    }
+
+    /// The air with the piston at x (counts) and these pressures.
+    pub(super) fn at(&self, x: i32, pressures: [i32; 2]) -> Air {
+        let x = x.min(self.stroke).max(0);
+        let lengths = [self.dead[0] + x, self.dead[1] + self.stroke - x];
+        // 2^32/L; a length is at least 16.
+        let [one, two] = lengths.map(|length| u32::MAX.checked_div(length as u32).unwrap_or(0) as i32);
+        let [p1, p2] = pressures;
+        let springs = product(p1, one, 26) + product(product(self.ratio, p2, 24), two, 26);
+        Air {
+            stiffness: product(springs, self.exponent, 16),
+            extend: self.fill(p1, one).saturating_add(self.vent(p2, two)),
+            retract: self.vent(p1, one).saturating_add(self.fill(p2, two)),
+        }
+    }
+
+    fn fill(&self, pressure: i32, by_length: i32) -> i32 {
+        self.path(ONE, product(ONE - pressure, self.steepness[0], 16), by_length, self.flow[0])
+    }
+
+    fn vent(&self, pressure: i32, by_length: i32) -> i32 {
+        // (P - Pe)/P in Q16: P is below 2^25, and not 0.
+        let drop = (pressure - self.exhaust).max(0) as u32;
+        let part = (drop << 7).checked_div(pressure as u32 >> 9).unwrap_or(0);
+        self.path(pressure, product(part.min(1 << 16) as i32, self.steepness[1], 8), by_length, self.flow[1])
+    }
+
+    /// c phi(P, y)/L; y in Q24.
+    #[inline(always)]
+    fn path(&self, pressure: i32, y: i32, by_length: i32, flow: i32) -> i32 {
+        let y = y.min(ONE).max(0);
+        let share = root(product(y, 2 * ONE - y, 18) as u32) as i32;
+        let up = product(pressure, share, 15);
+        saturate((i64::from(product(up, by_length, 24)) * i64::from(flow)) >> 24).min(16 * ONE)
+    }
+}

@@ -1,0 +1,85 @@
+//! The force loop: the rate of the force that keeps the load on its way, or holds it.
+//!
+//! ```text
+//! wanted      Fw = M/A (a_r + 2 p e' + p^2 e) + B v_r + Fc sgn(v_s) + d        within 0.8 (1 - Pe) of the smaller area
+//! rate        g  = M/A j_s + B a_s + f (Fw - F) + K (v + v_s - v_r) - g_unknown
+//! at rest     g  = 0.2 f (Fh - F) - g_unknown
+//! ```
+//!
+//! r: the reference now; s: the reference a dead time later, when the valve will have answered. M, B, Fc, K: [`super::load`] and
+//! [`super::air`]. The unit of g is force a sample (Q24); poles f and p are Q16 a sample.
+
+use super::air::{self, Air};
+use super::load::{self, Load};
+use super::motion::Motion;
+use super::number::{product, within};
+use crate::fixed::saturate;
+use crate::parameters::{Parameters, id};
+use crate::profile::Point;
+
+/// Poles and limits.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Constants {
+    /// f, p in Q16 and p^2 in Q30.
+    force_pole: i32,
+    position_pole: i32,
+    square: i32,
+    /// The dead time, samples in Q16.
+    pub(super) dead_time: i32,
+    /// Largest wanted force.
+    most: i32,
+}
+
+/// A sample as the loop sees it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Seen<'a> {
+    pub load: &'a Load,
+    pub of_load: &'a load::Constants,
+    pub motion: &'a Motion,
+    pub air: &'a Air,
+    /// F, Q24.
+    pub force: i32,
+}
+
+impl Constants {
+    pub(super) fn of(parameters: &Parameters, air: &air::Constants) -> Constants {
+        let get = |id| parameters.scalar(id);
+        let position_pole = get(id::CASCADE_POSITION_POLE);
+        let pull = product(air::ONE - air.exhaust, air.ratio, 24);
+        Constants {
+            force_pole: get(id::CASCADE_FORCE_POLE),
+            position_pole,
+            square: product(position_pole, position_pole, 2),
+            dead_time: get(id::CASCADE_DEAD_TIME),
+            most: product(pull, 52_429, 16),
+        }
+    }
+
+    /// Fw on a way, with the sign of the friction; that of a load that shall break away is stiction.
+    pub(super) fn wanted(&self, seen: &Seen, now: &Point, sign: i32, breaks_away: bool) -> i32 {
+        let Seen { load, of_load, motion, .. } = seen;
+        let late = now.v.saturating_sub(motion.v);
+        let short = saturate(now.x.wrapping_sub(motion.x));
+        let fed_back = product(late, self.position_pole, 15).saturating_add(product(short, self.square, 30));
+        let inertia = product(load.inertia(of_load), now.a.saturating_add(fed_back), 16);
+        let friction =
+            if breaks_away { sign.saturating_mul(of_load.stiction) } else { load.slide(of_load, sign) };
+        let sum = inertia.saturating_add(load.drag(now.v)).saturating_add(friction).saturating_add(motion.d);
+        within(sum, self.most)
+    }
+
+    /// g on a way, without what is unknown.
+    pub(super) fn rate(&self, seen: &Seen, now: &Point, soon: &Point, wanted: i32) -> i32 {
+        let Seen { load, of_load, motion, air, force } = seen;
+        let speed = motion.v.saturating_add(soon.v).saturating_sub(now.v);
+        product(load.inertia(of_load), soon.j, 24)
+            .saturating_add(load.drag(soon.a))
+            .saturating_add(product(wanted.saturating_sub(*force), self.force_pole, 16))
+            .saturating_add(product(air.stiffness, speed, 22))
+    }
+
+    /// g at rest, without what is unknown.
+    pub(super) fn holding(&self, held: i32, force: i32) -> i32 {
+        product(held.saturating_sub(force), product(self.force_pole, 13_107, 16), 16)
+    }
+}

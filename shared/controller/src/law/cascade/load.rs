@@ -1,0 +1,283 @@
+//! The load: its mass, friction, standing force and viscous friction, learned while it moves.
+//!
+//! ```text
+//! F = M (a/A + w) + s Fc sgn(v) + f + d + B v         A: acceleration by the supply on area 1;  w: weight, f: force of the rig file
+//! ```
+//!
+//! M and s are parts of what the rig file says. The measured force, the friction and the speed go through the same filter
+//! 1/(p/300 + 1)^3, whose difference of the speed is a; each of the four unknowns is counted in units of its prior deviation (0.3,
+//! 0.3, the stiction, B itself), forces in units of their noise. Then recursive least squares from a prior of variance 1:
+//!
+//! ```text
+//! S = 1 + (what the filter still holds of the stiction)^2 + h' P h,   k = P h/S,   t += k (y - h' t),   P += drift - k (P h)'
+//! ```
+//!
+//! Samples above 30 mm/s count. The drift keeps P positive, whatever is rounded, and lets the load change. What is learned stays
+//! within its bounds: M 0.25 to 4, s 0.3 to 2, d within 8 stictions, B 0 to 5 times that of the rig file.
+//!
+//! | quantity | format | range |
+//! |---|---|---|
+//! | forces, M, s as they are used | Q24, Q16, Q16 | |
+//! | filters of speed, force and friction | Q16, Q24, Q24 | |
+//! | h, y | Q16 | 2^12, 2^15 deviations, limited |
+//! | P, k | Q30 | -1 to 1 |
+//! | P h, S, t | Q20, Q16, Q24 | saturated; S from 1 on |
+
+use super::air::ONE;
+use super::number::{product, ratio, within};
+use crate::fixed::saturate;
+use crate::parameters::{Parameters, id};
+
+/// 0.3 in Q16: the prior deviation of mass and friction.
+const SPREAD: i32 = 19_661;
+/// Added to the variances with each sample, Q30: the spread of a mass in 4 million samples.
+const DRIFT: i32 = 1 << 8;
+/// Largest h.
+const LARGEST: i32 = 1 << 28;
+/// 1 of P.
+const CERTAIN: i32 = 1 << 30;
+/// The bounds of the unknowns, Q24.
+const BOUNDS: [[i32; 2]; 4] =
+    [[-41_943_040, 167_772_160], [-39_146_837, 55_924_053], [-8 * ONE, 8 * ONE], [-ONE, 4 * ONE]];
+
+/// What it knows beforehand.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Constants {
+    /// A, Q16.
+    pub(super) acceleration: i32,
+    /// 1/A, Q24.
+    pub(super) inertia: i32,
+    /// Fc of both directions, and the stiction, Q24.
+    coulomb: [i32; 2],
+    pub(super) stiction: i32,
+    /// B, Q30 a count per sample.
+    viscous: i32,
+    /// w and f, Q24.
+    weight: i32,
+    force: i32,
+    /// 1/noise, Q16; 0: nothing is learned.
+    certainty: i32,
+    /// Of the filter, Q16.
+    pole: i32,
+    /// 30 mm/s, Q16.
+    fast: i32,
+}
+
+/// A filter of three equal poles.
+type Filter = [i32; 3];
+
+/// What is learned.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Load {
+    /// The unknowns in their deviations, Q24, and their covariances, Q30.
+    unknown: [i32; 4],
+    covariance: [[i32; 4]; 4],
+    /// Speed, force, friction and what is left of the beginning; whether they run.
+    speed: Filter,
+    pushed: Filter,
+    rubbed: Filter,
+    left: Filter,
+    runs: bool,
+    /// M, Q16.
+    pub mass: i32,
+    /// 1/M, Q16.
+    pub by_mass: i32,
+    /// s, Q16.
+    pub friction: i32,
+    /// M w + f + d, Q24.
+    pub standing: i32,
+    /// B, Q30 a count per sample.
+    pub viscous: i32,
+}
+
+impl Constants {
+    /// `speed` is a m/s in counts a sample, Q16.
+    pub(super) fn of(parameters: &Parameters, period_us: u32, speed: i32) -> Constants {
+        let get = |id| parameters.scalar(id);
+        let acceleration = get(id::CASCADE_ACCELERATION);
+        let noise = get(id::CASCADE_LEARNING_NOISE);
+        let inverse =
+            |value: i32| ratio(1 << 40, u64::from(value.unsigned_abs())).min(i32::MAX as u64) as i32;
+        // 300 T/(1 + 300 T).
+        let pole = ratio(300 * u64::from(period_us) << 16, 1_000_000 + 300 * u64::from(period_us));
+        Constants {
+            acceleration,
+            inertia: inverse(acceleration),
+            coulomb: [get(id::CASCADE_COULOMB_EXTEND), get(id::CASCADE_COULOMB_RETRACT)],
+            stiction: get(id::CASCADE_STICTION),
+            viscous: get(id::CASCADE_VISCOUS),
+            weight: get(id::CASCADE_WEIGHT),
+            force: get(id::CASCADE_STANDING_FORCE),
+            certainty: if noise == 0 { 0 } else { inverse(noise) },
+            pole: pole as i32,
+            fast: product(speed, 1966, 16),
+        }
+    }
+
+    /// Fc with the sign of a motion, Q24; 0 without.
+    #[inline(always)]
+    fn coulomb(&self, sign: i32) -> i32 {
+        match sign {
+            1.. => self.coulomb[0],
+            0 => 0,
+            _ => -self.coulomb[1],
+        }
+    }
+
+    /// A force or an equation's part in units of the noise, Q16.
+    #[inline(always)]
+    fn weighed(&self, force: i32) -> i32 {
+        product(force, self.certainty, 24)
+    }
+}
+
+impl Default for Load {
+    fn default() -> Load {
+        let mut covariance = [[0; 4]; 4];
+        for (i, row) in covariance.iter_mut().enumerate() {
+            row[i] = CERTAIN;
+        }
+        Load {
+            unknown: [0; 4],
+            covariance,
+            speed: [0; 3],
+            pushed: [0; 3],
+            rubbed: [0; 3],
+            left: [0; 3],
+            runs: false,
+            mass: 1 << 16,
+            by_mass: 1 << 16,
+            friction: 1 << 16,
+            standing: 0,
+            viscous: 0,
+        }
+    }
+}
+
+/// One sample through a filter; returns what came out before.
+#[inline(always)]
+fn pass(filter: &mut Filter, input: i32, pole: i32) -> i32 {
+    let [first, second, third] = filter;
+    let before = *third;
+    *first = first.saturating_add(product(input.saturating_sub(*first), pole, 16));
+    *second = second.saturating_add(product(first.saturating_sub(*second), pole, 16));
+    *third = third.saturating_add(product(second.saturating_sub(*third), pole, 16));
+    before
+}
+
+impl Load {
+    /// As the rig file has it.
+    pub(super) fn new(constants: &Constants) -> Load {
+        let mut load = Load::default();
+        load.take_over(constants);
+        load
+    }
+
+    /// Friction in motion with a sign, Q24.
+    #[inline]
+    pub fn slide(&self, constants: &Constants, sign: i32) -> i32 {
+        product(constants.coulomb(sign), self.friction, 16)
+    }
+
+    /// B v, Q24; v in Q16.
+    #[inline]
+    pub fn drag(&self, speed: i32) -> i32 {
+        product(self.viscous, speed, 22)
+    }
+
+    /// What a force accelerates it by, counts a sample squared, Q16.
+    #[inline]
+    pub fn accelerated(&self, constants: &Constants, force: i32) -> i32 {
+        product(product(force, constants.acceleration, 24), self.by_mass, 16)
+    }
+
+    /// M/A in Q24: the force of an acceleration of 1.
+    #[inline]
+    pub fn inertia(&self, constants: &Constants) -> i32 {
+        product(constants.inertia, self.mass, 16)
+    }
+
+    /// A load at rest tells nothing.
+    pub(super) fn forget(&mut self) {
+        self.runs = false;
+    }
+
+    /// A sample in motion: the step of the count, the speed (Q16) and the force (Q24).
+    pub(super) fn learn(&mut self, constants: &Constants, step: i32, speed: i32, force: i32) {
+        if constants.certainty == 0 {
+            return;
+        }
+        let slide = constants.coulomb(if speed > 0 { 1 } else { -1 });
+        if !self.runs {
+            let rest = self.standing.saturating_add(product(slide, self.friction, 16));
+            (self.speed, self.pushed, self.rubbed) = ([0; 3], [rest; 3], [slide; 3]);
+            (self.left, self.runs) = ([ONE; 3], true);
+        }
+        let pole = constants.pole;
+        let before = pass(&mut self.speed, within(step, 1 << 14) << 16, pole);
+        let after = self.speed[2];
+        let force = pass(&mut self.pushed, force, pole);
+        let slide = pass(&mut self.rubbed, slide, pole);
+        let left = pass(&mut self.left, 0, pole);
+        let mean = (before >> 1) + (after >> 1);
+        let goes_on = (mean > 0) == (speed > 0) && mean.unsigned_abs() > constants.fast.unsigned_abs();
+        if goes_on {
+            self.fit(constants, [after.saturating_sub(before), mean, force, slide], left);
+            self.take_over(constants);
+        }
+    }
+
+    /// A step of the least squares.
+    #[inline(never)]
+    fn fit(&mut self, constants: &Constants, [change, speed, force, slide]: [i32; 4], left: i32) {
+        let inertia = product(change, constants.inertia, 16).saturating_add(constants.weight);
+        let drag = product(constants.viscous, speed, 22);
+        let known = inertia.saturating_add(slide).saturating_add(drag).saturating_add(constants.force);
+        let h = [
+            product(constants.weighed(inertia), SPREAD, 16),
+            product(constants.weighed(slide), SPREAD, 16),
+            constants.weighed(constants.stiction),
+            constants.weighed(drag),
+        ]
+        .map(|h| within(h, LARGEST));
+        let y = constants.weighed(force.saturating_sub(known));
+        let sum = |row: &[i32; 4], bits: u32| {
+            let products = row.iter().zip(&h).map(|(&p, &h)| i64::from(p) * i64::from(h));
+            // Each is at most 2^59.
+            saturate(products.sum::<i64>() >> bits)
+        };
+        let ph = self.covariance.each_ref().map(|row| sum(row, 26));
+        let doubt = product(left, constants.weighed(constants.stiction), 24);
+        let variance = i64::from(sum(&ph, 20).max(0)) + i64::from(product(doubt, doubt, 16)) + (1 << 16);
+        let variance = variance.min(i64::from(u32::MAX)) as u32;
+        // 1/S = by 2^(zeros - 32)
+        let zeros = variance.leading_zeros();
+        let by = u32::MAX.checked_div((variance << zeros) >> 16).unwrap_or(0) as i32;
+        let gain = ph.map(|ph| product(ph, by, 22 - zeros.min(15)));
+        let miss = y.saturating_sub(sum(&self.unknown, 24));
+        for i in 0..4 {
+            let [low, high] = BOUNDS[i];
+            let next = self.unknown[i].saturating_add(product(gain[i], miss, 22));
+            self.unknown[i] = next.min(high).max(low);
+            for j in 0..4 {
+                let drift = if i == j { DRIFT } else { 0 };
+                let next =
+                    self.covariance[i][j].saturating_sub(product(gain[i], ph[j], 20)).saturating_add(drift);
+                self.covariance[i][j] =
+                    if i == j { next.min(CERTAIN).max(DRIFT) } else { within(next, CERTAIN) };
+            }
+        }
+    }
+
+    /// The unknowns as they are used.
+    fn take_over(&mut self, constants: &Constants) {
+        let [mass, friction, force, viscous] = self.unknown;
+        self.mass = ((1 << 16) + product(mass, SPREAD, 24)).max(1 << 14).min(4 << 16);
+        self.by_mass = u32::MAX.checked_div(self.mass.unsigned_abs()).unwrap_or(0) as i32;
+        self.friction = ((1 << 16) + product(friction, SPREAD, 24)).min(2 << 16);
+        self.standing = product(constants.weight, self.mass, 16)
+            .saturating_add(constants.force)
+            .saturating_add(product(constants.stiction, force, 24));
+        self.viscous = constants.viscous.saturating_add(product(constants.viscous, viscous, 24));
+    }
+}

@@ -1,0 +1,158 @@
+//! The valve: the command that makes the force change at a rate, and where that takes the spool.
+//!
+//! ```text
+//! opening     g' = g - l (E - R),   C = (|g'| + l E)/E, or by R,   z = lap + span (C - l)/(1 - l)      l: leakage
+//! spool       s'' = w^2 (u - s) - D s', then a play             [s - u, s'] -> Phi [s - u, s'] to the output and to the next sample
+//! command     u = s + b^2 (goal - s) - (b - 1) D/w^2 s'         b = 1.5: as if the spool were so much faster
+//! goal        z +- half of the play when it has to be passed; within 2 counts of it the spool stays where it is
+//! ```
+//!
+//! | quantity | format | range | largest error |
+//! |---|---|---|---|
+//! | g, E, R | Q24 force a sample | | |
+//! | C | Q16 | 0 to 1 | 2^-15 of it |
+//! | s, z, u | Q16 counts of command | 2^13 | |
+//! | s' | Q16 counts a sample | 2^15 | |
+//! | Phi | Q30, from place to speed Q28 | | 2^-29 |
+
+use super::air::Air;
+use super::number::{product, ratio, within};
+use crate::drive::MAX_COUNTS;
+use crate::parameters::{Parameters, id};
+
+/// Largest command, Q16.
+const MOST: i32 = (MAX_COUNTS as i32) << 16;
+/// Places nearer than this are the same, Q16: 2 counts.
+const NEAR: i32 = 2 << 16;
+
+/// What it knows of the valve.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Constants {
+    /// Q16.
+    leakage: i32,
+    lap: i32,
+    /// span/(1 - l), Q16, and 1/span, Q28 of 2^-16.
+    span: i32,
+    by_span: i32,
+    play: i32,
+    lag: i32,
+    share: i32,
+    output: Transition,
+    sample: Transition,
+}
+
+/// Phi over a time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Transition([i32; 4]);
+
+/// Where the spool is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Valve {
+    place: i32,
+    speed: i32,
+    command: i32,
+    /// What the play lets through.
+    held: i32,
+    /// The spool since the sample before, on average, Q16 counts of command.
+    pub mean: i32,
+}
+
+impl Constants {
+    pub(super) fn of(parameters: &Parameters) -> Constants {
+        let get = |id| parameters.scalar(id);
+        let transition =
+            |first: u16| Transition([get(first), get(first + 1), get(first + 2), get(first + 3)]);
+        let (leakage, span) = (get(id::CASCADE_LEAKAGE), get(id::CASCADE_SPAN));
+        let whole = u64::from(span.unsigned_abs());
+        Constants {
+            leakage,
+            lap: get(id::CASCADE_OVERLAP),
+            span: ratio(whole << 16, u64::from(((1 << 16) - leakage).unsigned_abs())).min(1 << 28) as i32,
+            by_span: ratio(1 << 44, whole).min(1 << 28) as i32,
+            play: get(id::CASCADE_PLAY),
+            lag: get(id::CASCADE_SPOOL_LAG),
+            share: get(id::CASCADE_OUTPUT_SHARE),
+            output: transition(id::CASCADE_SPOOL_OUTPUT_PLACE),
+            sample: transition(id::CASCADE_SPOOL_SAMPLE_PLACE),
+        }
+    }
+
+    /// C of a path whose land is at z, Q16.
+    fn conductance(&self, z: i32) -> i32 {
+        let open = product(z.saturating_sub(self.lap), self.by_span, 28).min(1 << 16).max(0);
+        self.leakage + product(open, (1 << 16) - self.leakage, 16)
+    }
+
+    /// E C(z) - R C(-z), Q24.
+    pub(super) fn rate(&self, air: &Air, z: i32) -> i32 {
+        product(air.extend, self.conductance(z), 16) - product(air.retract, self.conductance(-z), 16)
+    }
+
+    /// Whether a rate is more than 1.2 of what the open valve makes.
+    pub(super) fn is_short(&self, air: &Air, rate: i32) -> bool {
+        let open = if rate > 0 { air.extend } else { air.retract };
+        i64::from(rate.saturating_abs()) * 5 > i64::from(open) * 6
+    }
+
+    /// z of a rate (Q24); 0 for one that is smaller than `least`.
+    pub(super) fn opening(&self, air: &Air, rate: i32, least: i32) -> i32 {
+        let leak = product(air.extend - air.retract, self.leakage, 16);
+        let net = rate.saturating_sub(leak);
+        let open = if net > 0 { air.extend } else { air.retract };
+        if net.unsigned_abs() < least.unsigned_abs() {
+            return 0;
+        }
+        let asked = net.saturating_abs().saturating_add(product(open, self.leakage, 16));
+        let share =
+            ratio(u64::from(asked.unsigned_abs()) << 16, u64::from(open.unsigned_abs())).min(1 << 16) as i32;
+        let place = self.lap.saturating_add(product(self.span, (share - self.leakage).max(0), 16));
+        place.min(MOST).max(0).saturating_mul(net.signum())
+    }
+}
+
+impl Transition {
+    #[inline(always)]
+    fn apply(self, valve: &mut Valve) {
+        let Transition([place, speed, pull, coast]) = self;
+        let from = valve.place.saturating_sub(valve.command);
+        let next = product(from, place, 30).saturating_add(product(valve.speed, speed, 30));
+        valve.speed = product(from, pull, 28).saturating_add(product(valve.speed, coast, 30));
+        valve.place = within(valve.command.saturating_add(next), 2 * MOST);
+    }
+}
+
+impl Valve {
+    /// The command that brings the spool to a place (Q16), in counts.
+    pub(super) fn drive(&mut self, constants: &Constants, wanted: i32) -> i32 {
+        let first = self.through_play(constants.play);
+        constants.output.apply(self);
+        let goal = if wanted > self.held.saturating_add(NEAR) {
+            wanted.saturating_add(constants.play)
+        } else if wanted < self.held.saturating_sub(NEAR) {
+            wanted.saturating_sub(constants.play)
+        } else {
+            self.place
+                .min(self.held.saturating_add(constants.play))
+                .max(self.held.saturating_sub(constants.play))
+        };
+        let way = within(goal.saturating_sub(self.place), 4 * MOST);
+        let braked = product(self.speed, constants.lag, 17);
+        let command = self.place.saturating_add(product(way, 9, 2)).saturating_sub(braked);
+        let counts = (command.saturating_add(1 << 15) >> 16)
+            .min(i32::from(MAX_COUNTS) - 1)
+            .max(-i32::from(MAX_COUNTS));
+        self.command = counts << 16;
+        let middle = self.through_play(constants.play);
+        constants.sample.apply(self);
+        let last = self.through_play(constants.play);
+        let before = product(first.saturating_add(middle), constants.share, 17);
+        let after = product(middle.saturating_add(last), (1 << 16) - constants.share, 17);
+        self.mean = before.saturating_add(after);
+        counts
+    }
+
+    fn through_play(&mut self, play: i32) -> i32 {
+        self.held = self.held.min(self.place.saturating_add(play)).max(self.place.saturating_sub(play));
+        self.held
+    }
+}

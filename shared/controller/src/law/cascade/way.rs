@@ -1,0 +1,227 @@
+//! The way: from any motion to rest at a target.
+//!
+//! ```text
+//! x = c0 + c1 s + ... + c7 s^7,   s = k/T               c0 to c2 by the motion it begins with, c4 to c7 by the rest it ends in
+//! T = max(2.19 D/v, sqrt(7.5 D/a), (52.5 D/j)^(1/3), 6, 2 tau)       samples: of rest to rest, its largest speed is v, and so on
+//! ```
+//!
+//! From rest to rest it is D (35 s^4 - 84 s^5 + 70 s^6 - 20 s^7). An acceleration that it begins with counts up to 2 D/T^2; its jerk
+//! does not.
+//!
+//! | quantity | format | range | largest error |
+//! |---|---|---|---|
+//! | c, x | Q16 counts, 64 bits | 2^48 | 1/1000 count |
+//! | s | Q32 | 0 to 1 | T 2^-32 |
+//! | T | samples | 6 to 2^17 | 1 |
+//! | v, a | Q16 counts a sample | 2^15 | 1e-4 |
+//! | j | Q24 counts | 2^7 | 1e-4 |
+
+use super::number::{cube_root, part, ratio, root, within};
+use crate::fixed::saturate;
+use crate::profile::Point;
+
+/// The longest way, Q16 counts: two strokes.
+const FARTHEST: i64 = 1 << 41;
+/// The same, samples.
+const LONGEST: u32 = 1 << 17;
+
+/// Speed, acceleration (Q16) and jerk (Q24) of a way.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Limits {
+    pub speed: i32,
+    pub acceleration: i32,
+    pub jerk: i32,
+    /// Samples.
+    pub shortest: u32,
+}
+
+/// A way, and how far along it is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Way {
+    c: [i64; 8],
+    /// s of the present sample, and of a sample, Q32.
+    s: u32,
+    step: u32,
+    /// Samples since it began, and T.
+    samples: u32,
+    length: u32,
+}
+
+/// T.
+fn length(distance: u32, limits: &Limits) -> u32 {
+    let of = |factor: u64, bits: u32, limit: i32| {
+        ratio((factor * u64::from(distance)) << bits, u64::from(limit.unsigned_abs()))
+    };
+    let by_speed = of(143_524, 0, limits.speed).min(LONGEST.into()) as u32;
+    let by_force = root(of(491_520, 0, limits.acceleration).min(u32::MAX.into()) as u32);
+    let by_flow = cube_root(of(3_440_640, 8, limits.jerk));
+    by_speed.max(by_force).max(by_flow).saturating_add(1).max(limits.shortest).min(LONGEST)
+}
+
+impl Way {
+    /// Over before it began, at a place (Q16).
+    pub(super) fn at_rest(x: i64) -> Way {
+        Way { c: [x, 0, 0, 0, 0, 0, 0, 0], s: 0, step: 0, samples: 0, length: 0 }
+    }
+
+    /// From a motion to rest at a target (Q16).
+    #[inline(never)]
+    pub(super) fn to(target: i64, from: Point, limits: &Limits) -> Way {
+        let way = target.wrapping_sub(from.x).max(-FARTHEST).min(FARTHEST);
+        let distance = (way.unsigned_abs() >> 16) as u32;
+        let length = length(distance, limits);
+        let step = u32::MAX.checked_div(length).unwrap_or(0);
+        let most = saturate(part(part((i64::from(distance) << 17) + (1 << 16), step), step));
+        let t = i64::from(length);
+        let c1 = i64::from(from.v) * t;
+        let c2 = (i64::from(within(from.a, most)) * t * t) >> 1;
+        let rest = [way - c1 - c2, -c1 - 2 * c2, -2 * c2];
+        // In halves.
+        let sum = |factors: [i64; 3]| factors.iter().zip(&rest).map(|(f, r)| f * r).sum::<i64>() >> 1;
+        let c4 = [[70, -30, 5], [-168, 78, -14], [140, -68, 13], [-40, 20, -4]].map(sum);
+        let c = [from.x, c1, c2, 0, c4[0], c4[1], c4[2], c4[3]];
+        Way { c, s: 0, step, samples: 0, length }
+    }
+
+    /// Goes on by a sample.
+    pub(super) fn advance(&mut self) {
+        self.samples = self.samples.saturating_add(1);
+        self.s = self.s.saturating_add(self.step);
+    }
+
+    /// Samples since it was over; none before.
+    #[must_use]
+    pub fn over(&self) -> Option<u32> {
+        self.samples.checked_sub(self.length)
+    }
+
+    /// The point at this sample.
+    #[must_use]
+    pub fn now(&self) -> Point {
+        if self.over().is_some() { self.end() } else { self.at(self.s) }
+    }
+
+    /// The point so many samples later, Q16.
+    #[must_use]
+    pub fn later(&self, samples: i32) -> Point {
+        let ahead = (u64::from(self.step) * u64::from(samples.unsigned_abs())) >> 16;
+        match u32::try_from(u64::from(self.s) + ahead) {
+            Ok(s) if self.over().is_none() => self.at(s),
+            _ => self.end(),
+        }
+    }
+
+    fn end(&self) -> Point {
+        Point { x: self.c.iter().sum(), ..Point::default() }
+    }
+
+    /// By Horner's rule, with the derivatives along.
+    fn at(&self, s: u32) -> Point {
+        let [c0, rest @ .., c7] = self.c;
+        let (mut x, mut v, mut a, mut j) = (c7, 0, 0, 0);
+        for c in rest.into_iter().rev() {
+            j = part(j, s) + a;
+            a = part(a, s) + v;
+            v = part(v, s) + x;
+            x = part(x, s) + c;
+        }
+        j = part(j, s) + a;
+        a = part(a, s) + v;
+        v = part(v, s) + x;
+        x = part(x, s) + c0;
+        let t = self.step;
+        Point {
+            x,
+            v: saturate(part(v, t)),
+            a: saturate(part(part(2 * a, t), t)),
+            j: saturate(part(part(part(6 * j, t), t) << 8, t)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn real(c: &[f64; 8], s: f64, t: f64) -> [f64; 4] {
+        let mut p = [0.0; 4];
+        for c in c.iter().rev() {
+            p = [p[0] * s + c, p[1] * s + p[0], p[2] * s + p[1], p[3] * s + p[2]];
+        }
+        [p[0], p[1] / t, 2.0 * p[2] / (t * t), 6.0 * p[3] / (t * t * t)]
+    }
+
+    fn limits(shortest: u32) -> Limits {
+        Limits { speed: 100 << 16, acceleration: 2 << 16, jerk: 1 << 21, shortest }
+    }
+
+    /// From rest and in motion, to both sides, over all of its samples.
+    #[test]
+    fn a_way_is_its_polynomial_and_ends_at_its_target() {
+        let mut worst = [0.0_f64; 4];
+        for target in [6000, -6000, 1, -30, 200_000] {
+            for (v, a) in [(0.0_f64, 0.0_f64), (40.0, 0.5), (-12.5, -1.0)] {
+                for shortest in [6, 130, 4000] {
+                    let from =
+                        Point { x: 777 << 16, v: (v * 65_536.0) as i32, a: (a * 65_536.0) as i32, j: 0 };
+                    let mut way = Way::to((777 + target) << 16, from, &limits(shortest));
+                    let t = f64::from(way.length);
+                    let d = target as f64;
+                    let most = (2.0 * d.abs() + 1.0) / t / t;
+                    let (c1, c2) = (v * t, a.clamp(-most, most) * t * t / 2.0);
+                    let r = [d - c1 - c2, -c1 - 2.0 * c2, -2.0 * c2];
+                    let sum = |k: [f64; 3]| (0..3).map(|i| k[i] * r[i]).sum::<f64>();
+                    let c4 =
+                        [[35.0, -15.0, 2.5], [-84.0, 39.0, -7.0], [70.0, -34.0, 6.5], [-20.0, 10.0, -2.0]]
+                            .map(sum);
+                    let c = [777.0, c1, c2, 0.0, c4[0], c4[1], c4[2], c4[3]];
+                    while way.over().is_none() {
+                        let expected = real(&c, f64::from(way.samples) / t, t);
+                        let p = way.now();
+                        let seen = [
+                            p.x as f64 / 65_536.0,
+                            f64::from(p.v) / 65_536.0,
+                            f64::from(p.a) / 65_536.0,
+                            f64::from(p.j) / 16_777_216.0,
+                        ];
+                        for i in 0..4 {
+                            // Of the largest there is: a way of 200,000 counts in 4000 samples has 1e-3 counts.
+                            let scale = (d.abs() + c1.abs() + 1.0) / t.powi(i as i32);
+                            worst[i] = worst[i].max((seen[i] - expected[i]).abs() / scale.max(1e-2));
+                        }
+                        way.advance();
+                    }
+                    assert_eq!(
+                        way.now(),
+                        Point { x: (777 + target) << 16, ..Point::default() }.rounded(way.now().x)
+                    );
+                }
+            }
+        }
+        assert!(worst[0] < 1e-4 && worst[1] < 2e-3 && worst[2] < 3e-3 && worst[3] < 1e-3, "{worst:?}");
+    }
+
+    impl Point {
+        /// Within 2^-14 counts of where it ends: halves are rounded down.
+        fn rounded(self, x: i64) -> Point {
+            if (self.x - x).abs() <= 4 { Point { x, ..self } } else { self }
+        }
+    }
+
+    #[test]
+    fn a_way_keeps_its_limits() {
+        for distance in [1, 30, 6000, 60_000, 1 << 24] {
+            let limits = limits(6);
+            let mut way = Way::to(i64::from(distance) << 16, Point::default(), &limits);
+            while way.over().is_none() && way.length < 20_000 {
+                let p = way.now();
+                assert!(
+                    p.v <= limits.speed + limits.speed / 500
+                        && p.a.abs() <= limits.acceleration + limits.acceleration / 100
+                );
+                assert!(p.j.abs() <= limits.jerk + limits.jerk / 50 || way.length == 6, "{distance}: {p:?}");
+                way.advance();
+            }
+        }
+    }
+}

@@ -1,0 +1,109 @@
+//! The law "cascade" with any model of a drive, on any samples: it neither overflows nor leaves its bounds. That it positions a drive is
+//! shown on the twin, `sim/tests/cascade.rs`.
+
+use crate::bench::{Bench, WIDE};
+use pneudrive_controller::law::cascade::Cascade;
+use pneudrive_controller::law::{Law, Running};
+use pneudrive_controller::parameters::{TABLE, id};
+use pneudrive_controller::{Config, Move, Sample, Sequence, State};
+
+/// Numbers that look random and are the same everywhere (xorshift).
+struct Draws(u64);
+
+impl Draws {
+    fn next(&mut self) -> u64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        self.0
+    }
+
+    /// An end of the range or a number in it, as likely of any size.
+    fn within(&mut self, min: i32, max: i32) -> i32 {
+        let size = self.next() % 32;
+        match self.next() % 4 {
+            0 => min,
+            1 => max,
+            _ => ((self.next() >> size) as i32).clamp(min, max),
+        }
+    }
+
+    /// A sample anywhere, or near the one before.
+    fn sample(&mut self, before: Sample) -> Sample {
+        let step = self.within(-1 << 20, 1 << 20) >> (self.next() % 32);
+        let position = match self.next() % 50 {
+            0 => self.within(i32::MIN, i32::MAX),
+            _ => before.position.wrapping_add(step),
+        };
+        let mut raw = |before: i16| match self.next() % 20 {
+            0 => self.within(i16::MIN.into(), i16::MAX.into()) as i16,
+            _ => before.wrapping_add((self.next() % 9) as i16 - 4),
+        };
+        Sample { position, pressure_1: raw(before.pressure_1), pressure_2: raw(before.pressure_2), ..before }
+    }
+}
+
+fn law(state: &State) -> &Cascade {
+    let Running::Cascade(law) = state.law() else { panic!("the law that was chosen") };
+    law
+}
+
+/// What is learned is within the bounds that the law states, whatever it was shown.
+fn keeps_its_bounds(law: &Cascade) -> bool {
+    let load = law.load();
+    (1 << 14..=4 << 16).contains(&load.mass)
+        && (19_600..=2 << 16).contains(&load.friction)
+        && load.viscous >= 0
+        && law.motion().d.abs() <= 1 << 24
+}
+
+#[test]
+fn no_model_and_no_samples_make_it_overflow_or_leave_its_bounds() {
+    let mut draws = Draws(0x9e37_79b9_7f4a_7c15);
+    for _ in 0..400 {
+        let mut changes = WIDE.to_vec();
+        changes.extend([(id::LAW, Law::Cascade as i32), (id::SENSOR_HIGH_RAW, 32_767)]);
+        for line in TABLE.iter().filter(|line| line.name.starts_with("cascade_")) {
+            let value = if draws.next() % 2 == 0 { line.default } else { draws.within(line.min, line.max) };
+            changes.push((line.id, if line.id == id::CASCADE_STROKE { value.max(1) } else { value }));
+        }
+        changes.push((id::PERIOD_US, [200, 1000, 1300, 100_000][(draws.next() % 4) as usize]));
+        changes.extend([
+            (id::DELAY_US, 50),
+            (id::LATE_OUTPUT_US, 20),
+            (id::LATE_SAMPLE_US, 50),
+            (id::SENSOR_SAMPLES, 1),
+        ]);
+        changes.push((id::ENCODER_PM_PER_COUNT, draws.within(1, i32::MAX)));
+        let moves: Vec<(u32, i32)> = (0..6).map(|k| (k * 50, draws.within(-i32::MAX, i32::MAX))).collect();
+        let mut bench = Bench::running(&changes, &moves);
+        let mut sample = Sample { pressure_1: 2000, pressure_2: 2000, ..Sample::default() };
+        for _ in 0..300 {
+            bench.take(sample);
+            assert!(keeps_its_bounds(law(&bench.state)), "{:?}", law(&bench.state).load());
+            sample = draws.sample(sample);
+        }
+    }
+}
+
+#[test]
+fn a_law_without_a_model_is_refused() {
+    let parameters = crate::bench::changed(&[(id::LAW, Law::Cascade as i32)]);
+    let refused = Config::new(&parameters).expect_err("it knows nothing of its drive");
+    assert!(refused.advice().contains("cascade_"), "{}", refused.advice());
+}
+
+/// A drive that is where it shall be, and whose pressures do not change, is left alone: no command but that of the valve's null.
+#[test]
+fn a_load_at_rest_is_held_with_a_shut_valve() {
+    let changes = [WIDE.as_slice(), &[(id::LAW, Law::Cascade as i32), (id::CASCADE_STROKE, 25_000)]].concat();
+    let mut bench = Bench::armed(&changes, &[]);
+    bench.sequence = Sequence::new(500);
+    bench.sequence.push(Move::step(0, 1000)).expect("room");
+    bench.state.start(&bench.config, &bench.sequence).expect("armed");
+    // The force that balances the exhaust on a rodless cylinder: none.
+    let rest = Sample { position: 1000, pressure_1: 2000, pressure_2: 2000, ..Sample::default() };
+    for k in 0..400 {
+        assert_eq!(bench.take(rest), 0, "sample {k}");
+    }
+}
