@@ -3,6 +3,7 @@
 mod at_rest;
 mod bristles;
 mod builtin;
+mod cascade;
 mod catalogue;
 mod channel_skew;
 mod closed_loop;

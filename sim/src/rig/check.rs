@@ -11,6 +11,7 @@ use crate::component::load::Load;
 use crate::component::tubing::speed_outweighs_supply_tube;
 use crate::component::{actuator, controller, encoder, faults, friction, operator, sensors, valve};
 use crate::key::{Choice, Typed};
+use crate::rig::parameters::cascade;
 use crate::values::{Findings, Rig};
 use crate::{gain_bug, keys, schedule, start};
 
@@ -31,6 +32,7 @@ pub(super) fn check(rig: &Rig, findings: &mut Findings) {
         friction::check,
         check_operator,
         check_continuous,
+        cascade::check,
         schedule::check,
         start::check,
         faults::check,

@@ -1,6 +1,8 @@
 //! From a rig's keys to the parameters of the controller, in its integers: most by a key of their own, which its line in the
 //! controller's table names, the others computed here from several.
 
+pub(super) mod cascade;
+
 use pneudrive_controller::Parameters;
 use pneudrive_controller::parameters::{Form, RigKey, TABLE, id};
 
@@ -90,6 +92,9 @@ impl Rig {
             Law::OnOff => (id::PRESSURE_FEEDBACK_GAIN, self.pressure_feedback_gain()),
             _ => (id::PRESSURE_DAMPING_GAIN, self.pressure_feedback_gain()),
         });
+        if self.get(&key::LAW) == Law::Cascade {
+            values.extend(cascade::values(self));
+        }
         values
     }
 

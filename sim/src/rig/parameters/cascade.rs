@@ -1,0 +1,245 @@
+//! The law "cascade" knows its drive by the rig file: what the keys say, in the integers of the law.
+//!
+//! Its units are counts of the encoder, samples, the supply pressure Ps, and the force Ps A_1
+//! (`pneudrive_controller::law::cascade`). With T the period and c the length of a count:
+//!
+//! ```text
+//! length of a chamber    V_i/(A_i c)                           flow           n R sqrt(T_0 Ts) rho_0 C T/(A_1 c)
+//! acceleration           Ps A_1 T^2/(M c)                      viscous        B c/(T Ps A_1)
+//! lag of the spool       K_D/K_S                               dead time      tau = delay + T/2 + lag/1.5
+//! poles                  force 0.6/tau, position 0.24/tau, motion observer 1.0/tau, flow observer 0.35/tau
+//! ways                   half of the speed of the choked flow, 0.4 of the force, 0.4 of the flow
+//! ```
+
+use pneudrive_controller::parameters::id;
+
+use crate::component::actuator::Actuator;
+use crate::component::encoder::pulse;
+use crate::component::load::Load;
+use crate::component::valve::flow_law::FlowLaw;
+use crate::component::valve::iso6358::{Iso6358, REFERENCE_DENSITY, REFERENCE_TEMPERATURE};
+use crate::component::valve::lands::Model as Characteristic;
+use crate::component::valve::model::Paths;
+use crate::component::valve::spool_travel;
+use crate::component::{operator, tubing};
+use crate::keys;
+use crate::values::{Findings, Rig};
+
+/// How much faster than it is the law makes the spool: 3/2 in its equation.
+const BOOST: f64 = 1.5;
+/// Poles, in 1/tau.
+const FORCE_POLE: f64 = 0.6;
+const POSITION_POLE: f64 = 0.24;
+const MOTION_POLE: f64 = 1.0;
+const FLOW_POLE: f64 = 0.35;
+/// What a way of its own asks for, parts of the largest speed, acceleration and rate of the force.
+const WAY_SPEED: f64 = 0.5;
+const WAY_ACCELERATION: f64 = 0.4;
+const WAY_FLOW: f64 = 0.4;
+/// The noise of a force, part of the exhaust pressure on area 1.
+const FORCE_NOISE: f64 = 0.02;
+
+/// A number in 2^-bits; what does not fit an integer becomes the last one, beyond the range of its parameter.
+fn fixed(value: f64, bits: i32) -> i32 {
+    (value * 2.0_f64.powi(bits)).round() as i32
+}
+
+/// What the law knows of a drive whose rig passes [`check`].
+pub(super) fn values(rig: &Rig) -> Vec<(u16, i32)> {
+    let drive = Drive::of(rig);
+    [drive.cylinder(rig), drive.valve(rig), drive.load(rig), drive.spool(rig), drive.loops()].concat()
+}
+
+/// The paths from the supply and to the exhaust, if they are components by their conductance.
+fn paths(rig: &Rig) -> [Iso6358; 2] {
+    rig.get(&keys::valve::MODEL).laws(rig).map(|law| match law {
+        FlowLaw::Iso6358(path) => path,
+        _ => Iso6358 { sonic_conductance: 0.0, critical_ratio: 0.0, subsonic_index: 0.5 },
+    })
+}
+
+/// What several lines of the table need, SI.
+struct Drive {
+    actuator: Actuator,
+    load: Load,
+    count: f64,
+    period: f64,
+    delay: f64,
+    supply: f64,
+    exhaust: f64,
+    /// Ps A_1, N.
+    force: f64,
+    /// K_D/K_S of the spool, s.
+    lag: f64,
+}
+
+impl Drive {
+    fn of(rig: &Rig) -> Drive {
+        let actuator = Actuator::of(rig);
+        let supply = rig.get(&keys::supply::PRESSURE_PA);
+        Drive {
+            force: supply * actuator.area_1,
+            actuator,
+            load: Load::of(rig),
+            count: pulse(rig),
+            period: rig.get(&keys::controller::PERIOD_S),
+            delay: rig.get(&keys::controller::DELAY_S),
+            supply,
+            exhaust: rig.get(&keys::exhaust::PRESSURE_PA),
+            lag: rig.get(&keys::empirical::DAMPING_PER_S)
+                / rig.get(&keys::empirical::STIFFNESS_PER_MASS_PER_S2),
+        }
+    }
+
+    fn cylinder(&self, rig: &Rig) -> Vec<(u16, i32)> {
+        let areas = [self.actuator.area_1, self.actuator.area_2];
+        let lengths = [0, 1].map(|i| self.actuator.residual_volumes[i] / areas[i] / self.count);
+        let [low, high] =
+            [&keys::sensors::PRESSURE_MIN_PA, &keys::sensors::PRESSURE_MAX_PA].map(|key| rig.get(key));
+        let full = f64::from((1_u32 << rig.get(&keys::sensors::BITS)) - 1);
+        vec![
+            (id::CASCADE_STROKE, fixed(self.actuator.stroke / self.count, 0)),
+            (id::CASCADE_DEAD_LENGTH_1, fixed(lengths[0], 0)),
+            (id::CASCADE_DEAD_LENGTH_2, fixed(lengths[1], 0)),
+            (id::CASCADE_PRESSURE_OFFSET, fixed(low / self.supply, 24)),
+            (id::CASCADE_PRESSURE_GAIN, fixed((high - low) / full / self.supply, 30)),
+            (id::CASCADE_EXHAUST_PRESSURE, fixed(self.exhaust / self.supply, 24)),
+            (id::CASCADE_AREA_RATIO, fixed(areas[1] / areas[0], 24)),
+        ]
+    }
+
+    /// n R sqrt(T_0 Ts) rho_0 C T/(A_1 c), and 1/(1 - b).
+    fn valve(&self, rig: &Rig) -> Vec<(u16, i32)> {
+        let exponent = rig.get(&keys::gas::HEAT_CAPACITY_RATIO);
+        let temperature = rig.get(&keys::supply::TEMPERATURE_K);
+        let gas = exponent
+            * rig.get(&keys::gas::GAS_CONSTANT_J_PER_KG_K)
+            * (REFERENCE_TEMPERATURE * temperature).sqrt();
+        let flow = |path: &Iso6358| {
+            let volume = gas * REFERENCE_DENSITY * path.sonic_conductance;
+            volume * self.period / self.actuator.area_1 / self.count
+        };
+        let [supply, exhaust] = paths(rig);
+        let steepness = |path: &Iso6358| 1.0 / (1.0 - path.critical_ratio);
+        vec![
+            (id::CASCADE_EXPONENT, fixed(exponent, 16)),
+            (id::CASCADE_FLOW_SUPPLY, fixed(flow(&supply), 16)),
+            (id::CASCADE_FLOW_EXHAUST, fixed(flow(&exhaust), 16)),
+            (id::CASCADE_STEEPNESS_SUPPLY, fixed(steepness(&supply), 16)),
+            (id::CASCADE_STEEPNESS_EXHAUST, fixed(steepness(&exhaust), 16)),
+            (id::CASCADE_LEAKAGE, fixed(1e-2 * rig.get(&keys::lands::LEAKAGE_PERCENT), 16)),
+            // The choked flow that leaves the larger chamber.
+            (id::CASCADE_WAY_SPEED, fixed(WAY_SPEED * flow(&exhaust) / exponent, 16)),
+        ]
+    }
+
+    fn load(&self, rig: &Rig) -> Vec<(u16, i32)> {
+        let part = |force: f64| fixed(force / self.force, 24);
+        let stiction =
+            rig.get(&keys::friction::STATIC_EXTEND_N).min(rig.get(&keys::friction::STATIC_RETRACT_N));
+        let per_force = self.force * self.period * self.period / self.load.mass / self.count;
+        let pull =
+            (1.0 - self.exhaust / self.supply) * (self.actuator.area_2 / self.actuator.area_1).min(1.0);
+        vec![
+            (id::CASCADE_ACCELERATION, fixed(per_force, 16)),
+            (id::CASCADE_COULOMB_EXTEND, part(rig.get(&keys::friction::COULOMB_EXTEND_N))),
+            (id::CASCADE_COULOMB_RETRACT, part(rig.get(&keys::friction::COULOMB_RETRACT_N))),
+            (id::CASCADE_STICTION, part(stiction)),
+            (id::CASCADE_VISCOUS, fixed(self.load.viscous * self.count / self.period / self.force, 30)),
+            (id::CASCADE_WEIGHT, part(self.load.weight())),
+            (id::CASCADE_STANDING_FORCE, part(-self.load.constant_force)),
+            (id::CASCADE_WAY_ACCELERATION, fixed(WAY_ACCELERATION * pull * per_force, 16)),
+            (id::CASCADE_LEARNING_NOISE, part(FORCE_NOISE * self.exhaust * self.actuator.area_1)),
+        ]
+    }
+
+    /// In counts of command, of which 2048 ask for the travel.
+    fn spool(&self, rig: &Rig) -> Vec<(u16, i32)> {
+        let count = spool_travel(rig) / 2048.0 * rig.get(&keys::amplifier::AMPLIFIER_GAIN);
+        let lap = rig.get(&keys::valve::UNDERLAP_MM) * 1e-3;
+        let play = rig.get(&keys::hysteresis::HYSTERESIS_PERCENT) / 100.0 * spool_travel(rig);
+        let w2 = rig.get(&keys::empirical::STIFFNESS_PER_MASS_PER_S2);
+        let damping = rig.get(&keys::empirical::DAMPING_PER_S);
+        let [output, sample] =
+            [self.delay, self.period - self.delay].map(|time| transition(w2, damping, time));
+        let t = self.period;
+        vec![
+            (id::CASCADE_SPOOL_OUTPUT_PLACE, fixed(output[0][0], 30)),
+            (id::CASCADE_SPOOL_OUTPUT_SPEED, fixed(output[0][1] / t, 30)),
+            (id::CASCADE_SPOOL_OUTPUT_PULL, fixed(output[1][0] * t, 28)),
+            (id::CASCADE_SPOOL_OUTPUT_COAST, fixed(output[1][1], 30)),
+            (id::CASCADE_SPOOL_SAMPLE_PLACE, fixed(sample[0][0], 30)),
+            (id::CASCADE_SPOOL_SAMPLE_SPEED, fixed(sample[0][1] / t, 30)),
+            (id::CASCADE_SPOOL_SAMPLE_PULL, fixed(sample[1][0] * t, 28)),
+            (id::CASCADE_SPOOL_SAMPLE_COAST, fixed(sample[1][1], 30)),
+            (id::CASCADE_SPOOL_LAG, fixed(self.lag / t, 16)),
+            (id::CASCADE_OUTPUT_SHARE, fixed(self.delay / t, 16)),
+            (id::CASCADE_OVERLAP, fixed(lap / count, 16)),
+            (id::CASCADE_SPAN, fixed((spool_travel(rig) - lap) / count, 16)),
+            (id::CASCADE_PLAY, fixed(play / count, 16)),
+        ]
+    }
+
+    fn loops(&self) -> Vec<(u16, i32)> {
+        // Samples from one to what it does to the flow.
+        let tau = (self.delay + 0.5 * self.period + self.lag / BOOST) / self.period;
+        let decay = |pole: f64| fixed(libm::exp(-pole / tau), 30);
+        vec![
+            (id::CASCADE_DEAD_TIME, fixed(tau, 16)),
+            (id::CASCADE_FORCE_POLE, fixed(FORCE_POLE / tau, 16)),
+            (id::CASCADE_POSITION_POLE, fixed(POSITION_POLE / tau, 16)),
+            (id::CASCADE_MOTION_DECAY, decay(MOTION_POLE)),
+            (id::CASCADE_FLOW_DECAY, decay(FLOW_POLE)),
+            (id::CASCADE_WAY_FLOW, fixed(WAY_FLOW, 16)),
+        ]
+    }
+}
+
+/// exp([[0, 1], [-w2, -damping]] time), as (1 + A time/1024)^1024.
+fn transition(w2: f64, damping: f64, time: f64) -> [[f64; 2]; 2] {
+    let h = time / 1024.0;
+    let mut m = [[1.0 - 0.5 * h * h * w2, h], [-h * w2, 1.0 - h * damping]];
+    for _ in 0..10 {
+        let product = |i: usize, j: usize| m[i][0] * m[0][j] + m[i][1] * m[1][j];
+        m = [[product(0, 0), product(0, 1)], [product(1, 0), product(1, 1)]];
+    }
+    m
+}
+
+/// The drives that the law has a model of.
+pub(in crate::rig) fn check(rig: &Rig, findings: &mut Findings) {
+    use keys::controller::{LAW, LOOP};
+    use pneudrive_controller::choice::{Law, Loop};
+    if rig.get(&LAW) != Law::Cascade || rig.get(&LOOP) == Loop::Open {
+        return;
+    }
+    let needs: [(bool, &str); 6] = [
+        (
+            rig.get(&keys::sensors::PRESSURE),
+            "sensors.pressure = true: it is a loop of the force, which it knows by the pressures",
+        ),
+        (
+            rig.get(&keys::operator::MODEL) == operator::Model::Empirical,
+            "operator.model = \"solenoid-empirical\": a spool that follows its command",
+        ),
+        (
+            rig.get(&keys::dither::DITHER_MM) == 0.0,
+            "operator.dither_mm = 0: its spool must be where it thinks it is",
+        ),
+        (
+            rig.get(&keys::valve::MODEL).facts().paths == Paths::Conductances,
+            "valve.model = \"iso-6358\": a known flow",
+        ),
+        (
+            rig.get(&keys::lands::CHARACTERISTIC) == Characteristic::Linear,
+            "valve.characteristic = \"linear\": a flow in proportion to the spool",
+        ),
+        (
+            rig.get(&keys::tubing::MODEL) == tubing::Model::None,
+            "tubing.model = \"none\": the valve at the cylinder",
+        ),
+    ];
+    for (_, what) in needs.iter().filter(|(met, _)| !met) {
+        findings.note(&LAW, format!("\"cascade\" needs {what}"));
+    }
+}

@@ -1,0 +1,242 @@
+//! The law "cascade": what it is for, and its integers beside its equations in real numbers.
+
+mod oracle;
+
+use oracle::Oracle;
+use pneudrive_controller::law::Running;
+use pneudrive_controller::{Config, Fault, Mode, Move, Sequence, State, output, sample};
+use pneudrive_sim::{Accuracy, Plant, Rig};
+
+const PRESS: &str = include_str!("cascade/press.toml");
+
+/// Other drives by their data sheets, as changes to the first.
+const DRIVES: [(&str, &[&str]); 4] = [
+    ("32 x 250 mm, 8 kg", &[]),
+    ("the same, vertical", &["load.incline_deg=90"]),
+    (
+        "20 x 150 mm, 1 kg, 100 l/min",
+        &[
+            "valve.sonic_conductance_m3_per_s_pa=3.93283e-9",
+            "actuator.stroke_m=0.15",
+            "actuator.bore_m=0.02",
+            "actuator.rod_diameter_m=0.008",
+            "actuator.residual_volume_1_m3=2.63782e-6",
+            "actuator.residual_volume_2_m3=2.21577e-6",
+            "load.mass_kg=1.11175",
+            "load.static_extend_n=19.1418",
+            "load.static_retract_n=19.1418",
+            "load.coulomb_extend_n=9.42478",
+            "load.coulomb_retract_n=9.42478",
+        ],
+    ),
+    ("32 x 250 mm, 8 kg, 0.5 ms", &["controller.period_s=0.0005", "controller.delay_s=0.0002"]),
+];
+
+/// Numbers that look random and are the same everywhere (xorshift).
+struct Draws(u64);
+
+impl Draws {
+    fn between(&mut self, low: f64, high: f64) -> f64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        low + (high - low) * ((self.0 >> 11) as f64 / (1_u64 << 53) as f64)
+    }
+}
+
+fn rig(settings: &[String]) -> Rig {
+    Rig::read_with("press", PRESS, settings).unwrap_or_else(|problems| panic!("{problems}"))
+}
+
+fn settings(texts: &[&str]) -> Vec<String> {
+    texts.iter().map(ToString::to_string).collect()
+}
+
+/// A drive whose plant is not quite what its controller takes it for.
+struct Drive {
+    plant: Plant,
+    config: Config,
+    state: State,
+    oracle: Oracle,
+    /// s, m.
+    period: f64,
+    count: f64,
+    start: i32,
+}
+
+impl Drive {
+    /// A plant with mass and friction within 30 % and a supply within 5 % of the file's, its load at a place (m).
+    fn drawn(of: &[&str], draws: &mut Draws, start: f64) -> Drive {
+        let known = rig(&settings(of));
+        let number = |key: &str| known.number_at(key).expect("a number");
+        let (mass, friction, supply) =
+            (draws.between(0.7, 1.3), draws.between(0.7, 1.3), draws.between(0.95, 1.05));
+        let count = number("encoder.mm_per_count") * 1e-3;
+        let start = (start / count).floor() as i32;
+        let mut real = settings(of);
+        for (key, by) in [
+            ("load.mass_kg", mass),
+            ("load.static_extend_n", friction),
+            ("load.static_retract_n", friction),
+            ("load.coulomb_extend_n", friction),
+            ("load.coulomb_retract_n", friction),
+            ("supply.pressure_pa", supply),
+        ] {
+            real.retain(|setting| !setting.starts_with(key));
+            real.push(format!("{key}={}", by * number(key)));
+        }
+        real.push(format!("test.position_m={}", (f64::from(start) + 0.5) * count));
+        real.push(format!("test.moves=[[0.02, {start}]]"));
+        let real = rig(&real);
+        let parameters = known.parameters();
+        Drive {
+            plant: Plant::new(&real, Accuracy { tolerance: 1e-8, ..Accuracy::of(&real) }, 1),
+            config: Config::new(&parameters).expect("a checked rig"),
+            state: State::default(),
+            oracle: Oracle::of(&parameters),
+            period: number("controller.period_s"),
+            count,
+            start,
+        }
+    }
+
+    /// Runs moves; `see` gets the time, the true position and the commands of law and oracle at each sample.
+    fn run(&mut self, sequence: &Sequence, mut see: impl FnMut(&Drive, f64, f64, [i16; 2])) -> Option<Fault> {
+        self.state.locate(0);
+        self.state.supervisor.arm().expect("at rest");
+        self.state.start(&self.config, sequence).expect("a run");
+        let mut seen = self.plant.sample().expect("a sample");
+        for k in 0..=sequence.duration_samples {
+            sample(&self.config, sequence, &mut self.state, &seen);
+            let command = output(&self.config, &mut self.state);
+            let time = f64::from(k) * self.period;
+            let position = self.plant.look(time).expect("a state").position;
+            let target = self.state.observation().setpoint;
+            let real = self.oracle.step(seen.position, [seen.pressure_1, seen.pressure_2], target);
+            see(self, time, position, [command.counts, real]);
+            self.oracle.commanded(command.counts);
+            seen = self.plant.advance(command).expect("a sample");
+        }
+        match self.state.supervisor.mode() {
+            Mode::Fault(fault) => Some(fault),
+            _ => None,
+        }
+    }
+
+    fn law(&self) -> &pneudrive_controller::law::cascade::Cascade {
+        let Running::Cascade(law) = self.state.law() else { panic!("the law that was chosen") };
+        law
+    }
+
+    /// A step from where it stands.
+    fn step(&self, counts: i32, seconds: f64) -> Sequence {
+        let mut sequence = Sequence::new((seconds / self.period) as u32);
+        sequence.push(Move::step((0.02 / self.period) as u32, self.start + counts)).expect("room");
+        sequence
+    }
+}
+
+/// Every draw comes within a twentieth of a millimetre and stays there, passes its target by no more than a tenth, and stands.
+#[test]
+fn a_drive_by_its_data_sheet_alone_positions_within_a_twentieth_of_a_millimetre() {
+    let mut draws = Draws(0x9e37_79b9_7f4a_7c15);
+    for (name, of) in DRIVES {
+        let stroke = rig(&settings(of)).number_at("actuator.stroke_m").expect("a number");
+        for index in 0..10 {
+            let way = if index % 2 == 0 { 0.06 } else { -0.06 };
+            let [low, high] = [0.05 * stroke - f64::min(way, 0.0), 0.95 * stroke - f64::max(way, 0.0)];
+            let start = draws.between(low, high);
+            let mut drive = Drive::drawn(of, &mut draws, start);
+            let counts = (way / drive.count).round() as i32;
+            let target = (f64::from(drive.start + counts) + 0.5) * drive.count;
+            let sequence = drive.step(counts, 1.2);
+            let (mut came, mut beyond, mut low, mut high) =
+                (0.0_f64, 0.0_f64, f64::INFINITY, f64::NEG_INFINITY);
+            let fault = drive.run(&sequence, |_, time, position, _| {
+                let error = position - target;
+                if error.abs() > 0.05e-3 {
+                    came = time;
+                }
+                beyond = beyond.max(error * way.signum());
+                if time > 0.6 {
+                    (low, high) = (low.min(position), high.max(position));
+                }
+            });
+            let what =
+                format!("{name}, draw {index}: {came} s, {beyond:.6} m beyond, {:.6} m at rest", high - low);
+            assert_eq!(fault, None, "{what}");
+            assert!(came < 0.5 && beyond < 0.1e-3 && high - low < 0.05e-3, "{what}");
+        }
+    }
+}
+
+/// The integers on a run beside the equations in real numbers on the same samples: place (counts), speed (counts a sample), standing
+/// force (of the supply's), mass, friction (parts). Commands are alike but where a threshold falls to the other side.
+#[test]
+fn the_integers_are_the_equations() {
+    for (name, of) in DRIVES {
+        let mut drive = Drive::drawn(of, &mut Draws(77), 0.04);
+        let sequence = drive.step(6000, 0.4);
+        let (mut worst, mut unlike, mut taken) = ([0.0_f64; 5], 0, 0);
+        drive.run(&sequence, |drive, _, _, [command, exact]| {
+            let (law, real) = (drive.law(), &drive.oracle);
+            let q16 = |value: i32| f64::from(value) / 65_536.0;
+            let differences = [
+                law.motion().x as f64 / 65_536.0 - real.x,
+                q16(law.motion().v) - real.v,
+                f64::from(law.motion().d) / 16_777_216.0 - real.d,
+                q16(law.load().mass) - real.mass(),
+                q16(law.load().friction) - real.friction(),
+            ];
+            for (worst, difference) in worst.iter_mut().zip(differences) {
+                *worst = worst.max(difference.abs());
+            }
+            taken += 1;
+            unlike += u32::from((command - exact).abs() > 3);
+        });
+        let bounds = [1e-3, 1e-3, 1e-4, 2e-4, 2e-4];
+        let holds = worst.iter().zip(bounds).all(|(worst, bound)| *worst < bound);
+        assert!(holds && unlike * 100 <= taken, "{name}: {worst:?}, {unlike} of {taken} commands");
+    }
+}
+
+/// A profile is followed as it comes: a sine of 60 mm at 1 Hz.
+#[test]
+fn a_sine_is_followed_within_six_tenths_of_a_millimetre() {
+    let sine = ["test.moves=[]", "test.duration_s=3", "test.position_m=0.125005"];
+    let text = PRESS.replace("moves = [[0.02, 12250]]\n", "")
+        + "\n[[test.move]]\nprofile = \"sine\"\nto_mm = 125\namplitude_mm = 30\nfrequency_hz = 1\ncycles = 3\n";
+    let rig =
+        Rig::read_with("press", &text, &settings(&sine[1..])).unwrap_or_else(|problems| panic!("{problems}"));
+    let run = pneudrive_sim::run(&rig, Accuracy::of(&rig)).expect("a run");
+    let count = 1e-5;
+    let errors = run
+        .rows
+        .iter()
+        .filter(|row| row.time > 1.0)
+        .map(|row| (row.plant.position - (f64::from(row.observation.setpoint) + 0.5) * count).abs());
+    let largest = errors.fold(0.0, f64::max);
+    assert!(run.fault.is_none() && largest < 0.6e-3, "{largest} m");
+}
+
+#[test]
+fn a_rig_that_lacks_what_the_law_needs_is_refused_by_name() {
+    for (change, what) in [
+        ("sensors.pressure=false", "sensors.pressure = true"),
+        ("operator.dither_mm=0.1", "operator.dither_mm = 0"),
+        ("operator.model=\"solenoid\"", "operator.model"),
+        ("valve.model=\"flow-node\"", "valve.model = \"iso-6358\""),
+        ("tubing.model=\"empirical\"", "tubing.model = \"none\""),
+    ] {
+        let refused = Rig::read_with("press", PRESS, &settings(&[change]));
+        let text = refused.err().map(|problems| problems.to_string()).unwrap_or_default();
+        assert!(text.contains("controller.law") && text.contains(what), "{change}: {text}");
+    }
+    let small = Rig::read_with(
+        "press",
+        PRESS,
+        &settings(&["actuator.residual_volume_1_m3=1e-7", "load.stop_stiffness_n_per_m=1e8"]),
+    );
+    let text = small.err().map(|problems| problems.to_string()).unwrap_or_default();
+    assert!(text.contains("cascade_dead_length_1"), "{text}");
+}
