@@ -19,19 +19,10 @@ use crate::supervisor::Mode;
 /// acceleration of a drive at rest are zero from the first sample on.
 pub fn sample(config: &Config, sequence: &Sequence, state: &mut State, input: &Sample) {
     let motion = state.estimate(config, input);
-    let target = state.target(config, sequence, motion.position);
+    state.target(config, sequence, motion.position);
     state.watch(config, input, &motion);
-    let demand = state.demand(config, &target, &motion, input);
-    let command = state.supervisor.permit(&config.law, config.limits.command(demand));
-    let Target { running, setpoint, error } = target;
-    state.observation = Observation { running, setpoint, error, command, ..state.observation };
-}
-
-/// Where the drive shall be at a sample.
-struct Target {
-    running: bool,
-    setpoint: i32,
-    error: i32,
+    let demand = state.demand(config, &motion, input);
+    state.observation.command = state.supervisor.permit(&config.law, config.limits.command(demand));
 }
 
 /// The stages of [`sample`], in their order. What was seen goes into the observation at once; what the
@@ -56,7 +47,7 @@ impl State {
         motion
     }
 
-    fn target(&mut self, config: &Config, sequence: &Sequence, position: i32) -> Target {
+    fn target(&mut self, config: &Config, sequence: &Sequence, position: i32) {
         let was_running = self.supervisor.mode() == Mode::Running;
         let over = was_running && self.sequencer.is_over(&config.motion, sequence);
         let running = was_running && !over;
@@ -78,7 +69,7 @@ impl State {
         if running {
             self.sequencer.judge(&config.motion, error);
         }
-        Target { running, setpoint, error }
+        self.observation = Observation { running, setpoint, error, ..self.observation };
     }
 
     fn watch(&mut self, config: &Config, input: &Sample, motion: &Motion) {
@@ -92,15 +83,15 @@ impl State {
         self.supervisor.watch(&config.limits, &evidence);
     }
 
-    fn demand(&mut self, config: &Config, target: &Target, motion: &Motion, input: &Sample) -> i32 {
+    fn demand(&mut self, config: &Config, motion: &Motion, input: &Sample) -> i32 {
         if !matches!(self.supervisor.mode(), Mode::Running | Mode::Done) {
             return self.demand_without_moves(config, motion.position, input.home_switch);
         }
         if config.law.control_loop == Loop::Open {
-            return self.demand_in_open_loop(config, target.setpoint, motion.position);
+            return self.demand_in_open_loop(config, motion.position);
         }
-        let demand = self.demand_of_law(config, target.error, motion);
-        if config.motion.on_arrival && target.running && self.sequencer.is_at_exit() {
+        let demand = self.demand_of_law(config, motion);
+        if config.motion.on_arrival && self.observation.running && self.sequencer.is_at_exit() {
             self.demand_at_exit(config)
         } else {
             demand
@@ -108,28 +99,31 @@ impl State {
     }
 
     /// The thesis's law has nothing to remember unless it damps by pressures, and costs no call.
-    fn demand_of_law(&mut self, config: &Config, error: i32, motion: &Motion) -> i32 {
+    fn demand_of_law(&mut self, config: &Config, motion: &Motion) -> i32 {
         match &config.law.settings {
             Settings::GainProfile(profile) if config.law.pressure_gain == 0 => {
-                let reference = Reference { error, feed_forward: self.sequencer.feed_forward(), point: None };
                 // No pressure is looked at with this gain at 0.
                 let measured = Measured { motion, pressures: [0; 2], learned: self.null_offset.counts() };
-                profile.demand(&config.law, measured, reference)
+                profile.demand(&config.law, measured, self.reference_of_law())
             }
-            _ => self.demand_of_any_law(config, error),
+            _ => self.demand_of_any_law(config),
         }
+    }
+
+    /// Without the course of a profile, which few laws follow.
+    fn reference_of_law(&self) -> Reference {
+        Reference { error: self.observation.error, feed_forward: self.sequencer.feed_forward(), point: None }
     }
 
     /// Takes what is measured from the observation, so that nothing is kept for it where it is not called.
     #[cold]
     #[inline(never)]
-    fn demand_of_any_law(&mut self, config: &Config, error: i32) -> i32 {
+    fn demand_of_any_law(&mut self, config: &Config) -> i32 {
         let Observation { position, velocity, acceleration, pressure_1, pressure_2, .. } = self.observation;
         let motion = Motion { position, step: 0, velocity, acceleration };
         let pressures = [pressure_1, pressure_2];
-        let (feed_forward, point) = (self.sequencer.feed_forward(), self.sequencer.point());
-        let reference = Reference { error, feed_forward, point };
         let measured = Measured { motion: &motion, pressures, learned: self.null_offset.counts() };
+        let reference = Reference { point: self.sequencer.point(), ..self.reference_of_law() };
         self.law.demand(&config.law, measured, reference)
     }
 
@@ -150,7 +144,8 @@ impl State {
         0
     }
 
-    fn demand_in_open_loop(&mut self, config: &Config, demand: i32, position: i32) -> i32 {
+    fn demand_in_open_loop(&mut self, config: &Config, position: i32) -> i32 {
+        let demand = self.observation.setpoint;
         match self.supervisor.mode() {
             Mode::Done => self.stand(config, position),
             _ if self.supervisor.is_referenced() => config.limits.hold_back(demand, position),
