@@ -69,6 +69,13 @@ pub(super) fn weighed(config: &LawConfig, gain: u16, measured: Measured, error: 
         - i64::from(config.acceleration_gain) * motion.acceleration
 }
 
+/// The demand of a sum: that of the null alone without one.
+#[inline(always)]
+pub(super) fn from_null(config: &LawConfig, sum: Option<i64>, measured: Measured) -> i32 {
+    let null = measured.null(config);
+    sum.map_or(null, |sum| scaled(config, sum).saturating_add(null))
+}
+
 /// Saturated once, and divided by the scale toward zero: valve counts.
 pub(super) fn scaled(config: &LawConfig, sum: i64) -> i32 {
     divide_toward_zero(saturate(sum), config.scale)

@@ -10,7 +10,7 @@
 
 use core::num::NonZeroU32;
 
-use super::feedback::{Feedback, scaled, sum};
+use super::feedback::{Feedback, from_null, sum};
 use super::{ControlLaw, LawConfig, Measured, Reference};
 use crate::parameters::{PROFILE_LEN, Parameters, id};
 
@@ -38,9 +38,7 @@ impl Settings {
     /// The demand without pressures.
     #[inline(always)]
     pub(crate) fn demand(&self, config: &LawConfig, measured: Measured, reference: Reference) -> i32 {
-        let sum = sum(config, |error| self.gain(error), measured, reference);
-        let null = measured.null(config);
-        sum.map_or(null, |sum| scaled(config, sum).saturating_add(null))
+        from_null(config, sum(config, |error| self.gain(error), measured, reference), measured)
     }
 }
 
@@ -59,8 +57,7 @@ impl ControlLaw for GainProfile {
         reference: Reference,
     ) -> i32 {
         let sum = self.0.damped_sum(config, |error| settings.gain(error), measured, reference);
-        let null = measured.null(config);
-        sum.map_or(null, |sum| scaled(config, sum).saturating_add(null))
+        from_null(config, sum, measured)
     }
 }
 

@@ -4,7 +4,7 @@
 //! demand = (Kp n_p - Kv n_v - Ka n_a - k5 n_q + n_f) / scale + null offset          toward zero
 //! ```
 
-use super::feedback::{Feedback, scaled};
+use super::feedback::{Feedback, from_null};
 use super::{ControlLaw, LawConfig, Measured, Reference};
 use crate::parameters::{Parameters, id};
 
@@ -36,6 +36,6 @@ impl ControlLaw for Proportional {
         reference: Reference,
     ) -> i32 {
         let sum = self.0.damped_sum(config, |_| settings.gain, measured, reference);
-        sum.map_or(0, |sum| scaled(config, sum)).saturating_add(measured.null(config))
+        from_null(config, sum, measured)
     }
 }
