@@ -74,10 +74,9 @@ impl Rig {
             (Form::Scaled(digits), Value::Number(value)) => {
                 Some((value * f64::from(10_u32.pow(digits))).round() as i32)
             }
-            (Form::Words(words), value) => {
-                let text = value.to_string();
-                words.iter().position(|word| *word == text.trim_matches('"')).map(|place| place as i32)
-            }
+            (Form::Words(words), Value::Word(word)) => place_of(words, word),
+            (Form::Words(_), Value::Switch(on)) => Some(i32::from(*on)),
+            (Form::Words(words), Value::Integer(value)) => place_of(words, &value.to_string()),
             _ => None,
         }
     }
@@ -191,4 +190,9 @@ impl Rig {
         let entries = given.iter().copied().chain(std::iter::repeat(last));
         entries.take(256).map(|gain| gain as i32).collect()
     }
+}
+
+/// The place of a word among those that a parameter's values are written as.
+fn place_of(words: &[&str], word: &str) -> Option<i32> {
+    words.iter().position(|known| *known == word).map(|place| place as i32)
 }
