@@ -267,22 +267,25 @@ impl Plant {
     /// # Errors
     /// When the integration fails.
     pub fn look(&mut self, t: f64) -> Result<Snapshot, IntegrationError> {
-        let t = self.plant_time(t);
-        self.run_to(t)?;
+        self.come_to(t)?;
         Ok(self.snapshot(t))
     }
 
-    /// Only position (m), velocity (m/s) and pressures (Pa) at `t`.
+    /// Comes to `t`, for what can be seen there.
     ///
     /// # Errors
     /// When the integration fails.
     #[inline]
-    pub fn look_at_motion(&mut self, t: f64) -> Result<(f64, f64, [f64; 2]), IntegrationError> {
-        let t = self.plant_time(t);
-        self.run_to(t)?;
-        let x = self.integrator.state(t);
+    pub(crate) fn come_to(&mut self, t: f64) -> Result<(), IntegrationError> {
+        self.run_to(self.plant_time(t))
+    }
+
+    /// Only position (m), velocity (m/s) and pressures (Pa) at `t`, to which the plant has come.
+    #[inline]
+    pub(crate) fn motion(&mut self, t: f64) -> (f64, f64, [f64; 2]) {
+        let x = self.integrator.state(self.plant_time(t));
         let pressures = self.assembly.pressures(x);
-        Ok((x[slot::POSITION], x[slot::VELOCITY], pressures))
+        (x[slot::POSITION], x[slot::VELOCITY], pressures)
     }
 
     /// Integrates to `t`, through the present sample's output if that is due. Only the outputs limit how far a step
@@ -316,7 +319,9 @@ impl Plant {
         self.integrator.interrupt(&mut self.assembly, at, |assembly, x| assembly.drive(at, x, request));
     }
 
-    fn snapshot(&mut self, t: f64) -> Snapshot {
+    /// The measurable quantities at `t`, to which the plant has come.
+    pub(crate) fn snapshot(&mut self, t: f64) -> Snapshot {
+        let t = self.plant_time(t);
         let [one, two] = slot::MASS.map(|mass| self.integrator.derivative_of(mass, t));
         let x = self.integrator.state(t);
         self.assembly.follow(x);
@@ -339,8 +344,8 @@ impl Plant {
         }
     }
 
-    /// The air inside the valve at the time of the last [`Plant::look`].
-    pub fn look_into_valve(&mut self, t: f64) -> ValveState {
+    /// The air inside the valve at `t`, to which the plant has come.
+    pub(crate) fn valve_state(&mut self, t: f64) -> ValveState {
         let t = self.plant_time(t);
         let x = self.integrator.state(t);
         self.assembly.follow(x);

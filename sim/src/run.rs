@@ -52,42 +52,29 @@ pub struct Recording {
 
 /// The row type of a run. It does not change the run.
 pub trait Record: Sized {
-    /// The row at `time` (s), while the controller acts on its last sample.
-    ///
-    /// # Errors
-    /// When the integration fails.
-    fn of(
-        plant: &mut Plant,
-        time: f64,
-        seen: &Observation,
-        recording: Recording,
-    ) -> Result<Self, IntegrationError>;
+    /// The row at `time` (s), to which the plant has come, while the controller acts on its last sample.
+    fn of(plant: &mut Plant, time: f64, seen: &Observation) -> Self;
+
+    /// Adds the air inside the valve at the row's time, if the row has room for it.
+    fn add_valve(&mut self, _plant: &mut Plant) {}
 }
 
 impl Record for Row {
     #[inline]
-    fn of(
-        plant: &mut Plant,
-        time: f64,
-        seen: &Observation,
-        recording: Recording,
-    ) -> Result<Row, IntegrationError> {
-        let snapshot = plant.look(time)?;
-        let valve = recording.valve.then(|| plant.look_into_valve(time));
-        Ok(Row { time, observation: *seen, plant: snapshot, valve })
+    fn of(plant: &mut Plant, time: f64, seen: &Observation) -> Row {
+        Row { time, observation: *seen, plant: plant.snapshot(time), valve: None }
+    }
+
+    fn add_valve(&mut self, plant: &mut Plant) {
+        self.valve = Some(plant.valve_state(self.time));
     }
 }
 
 impl Record for MotionRow {
     #[inline]
-    fn of(
-        plant: &mut Plant,
-        time: f64,
-        _: &Observation,
-        _: Recording,
-    ) -> Result<MotionRow, IntegrationError> {
-        let (position, velocity, pressures) = plant.look_at_motion(time)?;
-        Ok(MotionRow { time, position, velocity, pressures })
+    fn of(plant: &mut Plant, time: f64, _: &Observation) -> MotionRow {
+        let (position, velocity, pressures) = plant.motion(time);
+        MotionRow { time, position, velocity, pressures }
     }
 }
 
@@ -177,8 +164,7 @@ impl<R: Record> Runner<R> {
             // A row at an instant with an output shows the state after it.
             let until_us = ((k + 1) * self.period_us).min(self.end_us + 1);
             while next_row_us < until_us {
-                let (seen, plant) = drive.seen_and_plant();
-                self.run.rows.push(R::of(plant, seconds(next_row_us), seen, self.recording)?);
+                self.add_row(&mut drive, seconds(next_row_us))?;
                 next_row_us += self.row_period_us;
             }
             self.run.observations.push(*drive.seen());
@@ -188,6 +174,20 @@ impl<R: Record> Runner<R> {
         }
         (self.run.fault, self.run.work) = (drive.fault, drive.plant.work());
         Ok(&self.run)
+    }
+
+    /// Adds the row at `time`, s. The air inside the valve comes last, so that the others need no copy of it.
+    #[inline]
+    fn add_row(&mut self, drive: &mut Drive, time: f64) -> Result<(), IntegrationError> {
+        let (seen, plant) = drive.seen_and_plant();
+        plant.come_to(time)?;
+        self.run.rows.push(R::of(plant, time, seen));
+        if self.recording.valve
+            && let Some(row) = self.run.rows.last_mut()
+        {
+            row.add_valve(plant);
+        }
+        Ok(())
     }
 }
 
