@@ -4,7 +4,7 @@
 pub(super) mod cascade;
 
 use pneudrive_controller::Parameters;
-use pneudrive_controller::parameters::{Form, RigKey, TABLE, id};
+use pneudrive_controller::parameters::{Form, PROFILE_LEN, RigKey, TABLE, id};
 
 use crate::component::controller::{Law, Loop};
 use crate::component::encoder::{self, pulse};
@@ -62,7 +62,7 @@ impl Rig {
         values.extend(self.of_law());
         values.extend(self.of_supervisor());
         values.extend(self.of_board());
-        values.extend(self.gain_profile().into_iter().zip(id::GAIN_PROFILE..).map(|(gain, id)| (id, gain)));
+        values.extend((id::GAIN_PROFILE..).zip(self.gain_profile()));
         values
     }
 
@@ -183,12 +183,11 @@ impl Rig {
         (self.get(&keys::controller::PRESSURE_FEEDBACK_GAIN) * kpa_per_raw * scale).round() as i32
     }
 
-    /// The gain profile, its last entry repeated to 256.
-    fn gain_profile(&self) -> Vec<i32> {
+    /// The gain profile, its last entry repeated to the end.
+    fn gain_profile(&self) -> impl Iterator<Item = i32> {
         let given = self.get(&keys::controller::GAIN_PROFILE);
         let last = given.last().copied().unwrap_or(0);
-        let entries = given.iter().copied().chain(std::iter::repeat(last));
-        entries.take(256).map(|gain| gain as i32).collect()
+        given.into_iter().chain(std::iter::repeat(last)).take(PROFILE_LEN).map(|gain| gain as i32)
     }
 }
 

@@ -22,7 +22,7 @@ impl<'a> TomlFile<'a> {
     /// Nothing of it has been read.
     #[must_use]
     pub fn new(source: &'a str, text: &'a str) -> TomlFile<'a> {
-        let line_ends = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n').map(|(place, _)| place);
+        let line_ends = text.match_indices('\n').map(|(place, _)| place);
         TomlFile { source, text, line_ends: line_ends.collect(), problems: Vec::new() }
     }
 
