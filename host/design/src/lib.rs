@@ -11,6 +11,7 @@
 //! | [`parts`] | the catalogue: cylinders, valves, tubes, sensors |
 //! | [`values`] | every value of a rig, with where it comes from |
 //! | [`difference`] | two rigs, key by key |
+//! | [`six_drives`] | drives of the catalogue on which control laws are compared |
 
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
@@ -23,4 +24,5 @@ pub mod own_drive;
 pub mod parts;
 pub mod question;
 pub mod rig_file;
+pub mod six_drives;
 pub mod values;
