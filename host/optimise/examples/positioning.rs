@@ -1,0 +1,218 @@
+//! How well control laws position, on the same drives and draws: the tables of docs/positioning.md.
+//!
+//! ```text
+//! cargo run --release -p pneudrive-optimise --example positioning -- [RIG ...] [KEY=VALUE ...]
+//! ```
+//!
+//! A RIG is one of the six drives of the catalogue, a built-in rig or a rig file; without one, the six drives and the three
+//! servo-drives of the thesis are measured. `draws=120 seed=1`; `steps=0.2,2,60,300` (mm; without it 60 mm, or two fifths of a
+//! shorter stroke); `laws=0,1` (places in the list of laws below); `range=1` draws all that the rig file leaves open;
+//! `bristles=1` puts LuGre friction on top; `sines=0` leaves out the sines. Other keys with a point are settings of the rig. Gains that
+//! were found, and why runs did not come to their end, go to stderr.
+
+use std::collections::BTreeMap;
+
+use anyhow::{Context, Result, bail};
+use pneudrive_design::six_drives::{SIX_DRIVES, rig_file_of};
+use pneudrive_evaluate::wanted::Wanted;
+use pneudrive_optimise::positioning::draw::TOLERANCE;
+use pneudrive_optimise::positioning::{Plan, Spread, StepScore, bound, sine, steps, usual_step_mm};
+use pneudrive_optimise::tuning::search::Budget;
+use pneudrive_optimise::tuning::{Goal, Task, tune};
+use pneudrive_sim::rig::builtin;
+use pneudrive_sim::{Rig, keys};
+
+/// The drives of the thesis.
+const THESIS: [&str; 3] = ["servo-a", "servo-b", "servo-c"];
+
+/// Hz.
+const SINES: [f64; 3] = [0.5, 1.0, 2.0];
+
+/// A control law with gains. A new law is a line in [`LAWS`].
+struct Law {
+    name: &'static str,
+    word: &'static str,
+    /// Whether `tune` looks for its gains; otherwise they are those of the rig file.
+    tuned: bool,
+    /// The integral time that is added to tuned gains, s.
+    integral_s: Option<f64>,
+}
+
+const LAWS: [Law; 4] = [
+    Law { name: "gain profile", word: "gain-profile", tuned: false, integral_s: None },
+    Law { name: "gain profile, tuned", word: "gain-profile", tuned: true, integral_s: None },
+    Law { name: "P-D, tuned", word: "pid", tuned: true, integral_s: None },
+    Law { name: "PI-D, tuned", word: "pid", tuned: true, integral_s: Some(0.5) },
+];
+
+/// The search that `rig new` proposes: within 1 mm, as no law that is tuned here ends within 0.05 mm often enough to be guided by that.
+const SETTLED_MM: f64 = 1.0;
+const TIME_S: f64 = 1.5;
+const BUDGET: Budget = Budget { population: 16, generations: 10, seed: 1 };
+
+struct Asked {
+    rigs: Vec<String>,
+    settings: Vec<String>,
+    plan: Plan,
+    steps_mm: Vec<f64>,
+    laws: Vec<usize>,
+    sines: bool,
+}
+
+impl Asked {
+    fn read() -> Result<Asked> {
+        let mut asked = Asked {
+            rigs: Vec::new(),
+            settings: Vec::new(),
+            plan: Plan { spread: Spread::default(), draws: 120, seed: 1 },
+            steps_mm: Vec::new(),
+            laws: (0..LAWS.len()).collect(),
+            sines: true,
+        };
+        for argument in std::env::args().skip(1) {
+            let Some((key, value)) = argument.split_once('=') else {
+                asked.rigs.push(argument);
+                continue;
+            };
+            match key {
+                "draws" => asked.plan.draws = value.parse()?,
+                "seed" => asked.plan.seed = value.parse()?,
+                "range" => asked.plan.spread.whole_range = value != "0",
+                "bristles" => asked.plan.spread.bristles = value != "0",
+                "sines" => asked.sines = value != "0",
+                "steps" => asked.steps_mm = value.split(',').map(str::parse).collect::<Result<_, _>>()?,
+                "laws" => asked.laws = value.split(',').map(str::parse).collect::<Result<_, _>>()?,
+                _ if key.contains('.') => asked.settings.push(argument),
+                _ => bail!(
+                    "{key}=? The keys are draws, seed, steps, laws, range, bristles, sines and those of a rig"
+                ),
+            }
+        }
+        if asked.rigs.is_empty() {
+            asked.rigs = SIX_DRIVES.iter().map(|(name, _)| *name).chain(THESIS).map(str::to_owned).collect();
+        }
+        Ok(asked)
+    }
+}
+
+/// The text of a rig file.
+fn text_of(name: &str) -> Result<String> {
+    let of_list = rig_file_of(name).or_else(|| builtin(name).map(str::to_owned));
+    of_list.map_or_else(|| std::fs::read_to_string(name).with_context(|| name.to_owned()), Ok)
+}
+
+/// A drive, and the gains that have been found for it, by the word of their law.
+struct Drive<'a> {
+    name: &'a str,
+    text: String,
+    settings: &'a [String],
+    step_mm: f64,
+    found: BTreeMap<&'static str, Vec<String>>,
+}
+
+impl Drive<'_> {
+    /// The drive under a law.
+    fn under(&mut self, law: &Law) -> Result<Rig> {
+        let word = format!("{}={}", keys::controller::LAW.path, law.word);
+        let mut settings: Vec<String> = self.settings.iter().cloned().chain([word]).collect();
+        if law.tuned {
+            let gains = self.gains(law.word, &settings)?;
+            settings.extend(gains);
+        }
+        let rig = Rig::read_with(self.name, &self.text, &settings)?;
+        Ok(match law.integral_s {
+            Some(time_s) => rig.with_settings(&[integral(&rig, time_s)])?,
+            None => rig,
+        })
+    }
+
+    /// The gains that `tune` finds, once for each law.
+    fn gains(&mut self, law: &'static str, settings: &[String]) -> Result<Vec<String>> {
+        if let Some(found) = self.found.get(law) {
+            return Ok(found.clone());
+        }
+        let task = Task {
+            source: (self.name.to_owned(), self.text.clone()),
+            settings: settings.to_vec(),
+            fixed: Vec::new(),
+            goal: Goal {
+                step_mm: self.step_mm,
+                settled_mm: SETTLED_MM,
+                overshoot_percent: 1.0,
+                time_s: TIME_S,
+            },
+            spread: TOLERANCE,
+            between_mm: [None, None],
+            draws: 0,
+            budget: BUDGET,
+        };
+        let found = tune(&task, |_| {}, Wanted::ALWAYS)?.after.settings;
+        eprintln!("{}, {law}: {}", self.name, found.join(" "));
+        self.found.insert(law, found.clone());
+        Ok(found)
+    }
+}
+
+/// Ki = 256 Kp T/T_I.
+fn integral(rig: &Rig, time_s: f64) -> String {
+    let proportional = rig.get(&keys::controller::PROPORTIONAL_GAIN) as f64;
+    let gain =
+        (256.0 * proportional * rig.get(&keys::controller::PERIOD_S) / time_s).round().clamp(1.0, 65_535.0);
+    format!("{}={gain}", keys::controller::INTEGRAL_GAIN.path)
+}
+
+/// The bound on a step each way, ms.
+fn bounds(rig: &Rig, step_mm: f64) -> Result<String> {
+    let ms = |extends| -> Result<String> {
+        let bound = bound(rig, step_mm, extends)?;
+        Ok(bound.map_or("-".to_owned(), |bound| format!("{:.0}", 1e3 * bound.time_s)))
+    };
+    Ok(format!("{}, {}", ms(true)?, ms(false)?))
+}
+
+fn step_row(drive: &str, law: &str, step_mm: f64, when: &str, score: &StepScore, bounds: &str) {
+    println!("| {drive} | {law} | {step_mm} | {when} | {score} | {bounds} |");
+    for why in &score.failed {
+        eprintln!("{drive}, {law}, {when}: {why}");
+    }
+}
+
+fn main() -> Result<()> {
+    let asked = Asked::read()?;
+    println!(
+        "| drive | law | step, mm | | of {} within 1 / 0.2 / 0.05 mm | 95 % interval, % | median time, s | largest overshoot, mm | limit cycle, not decidable, still moves, failed | converged | bang-bang extending, retracting, ms |",
+        asked.plan.draws
+    );
+    println!("|---|---|---|---|---|---|---|---|---|---|---|");
+    let mut sines = Vec::new();
+    for drive in &asked.rigs {
+        let text = text_of(drive)?;
+        let usual_mm = usual_step_mm(&Rig::read_with(drive, &text, &asked.settings)?);
+        let mut measured =
+            Drive { name: drive, text, settings: &asked.settings, step_mm: usual_mm, found: BTreeMap::new() };
+        let steps_mm = if asked.steps_mm.is_empty() { vec![usual_mm] } else { asked.steps_mm.clone() };
+        for law in asked.laws.iter().map(|place| LAWS.get(*place).context("there is no such law")) {
+            let law = law?;
+            let rig = measured.under(law)?;
+            for &step_mm in &steps_mm {
+                let bounds = bounds(&rig, step_mm)?;
+                for (when, score) in
+                    ["cold", "after two moves"].iter().zip(steps(&rig, &asked.plan, step_mm)?)
+                {
+                    step_row(drive, law.name, step_mm, when, &score, &bounds);
+                }
+            }
+            if asked.sines {
+                let scores = SINES.map(|hz| sine(&rig, &asked.plan, usual_mm, hz));
+                let cells: Vec<String> =
+                    scores.into_iter().map(|score| Ok(score?.to_string())).collect::<Result<_>>()?;
+                sines.push(format!("| {drive} | {} | {usual_mm} | {} |", law.name, cells.join(" | ")));
+            }
+        }
+    }
+    if asked.sines {
+        println!("\n| drive | law | sine, mm | 0.5 Hz | 1 Hz | 2 Hz |\n|---|---|---|---|---|---|");
+        sines.iter().for_each(|row| println!("{row}"));
+    }
+    Ok(())
+}

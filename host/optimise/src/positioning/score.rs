@@ -1,0 +1,141 @@
+//! Arrivals and errors over all draws.
+
+use std::fmt;
+
+use pneudrive_evaluate::evaluation::LimitCycle;
+
+use super::arrival::{Arrival, BANDS_MM};
+use crate::tuning::Proportion;
+
+/// A step overshoots if it goes further beyond its target, mm.
+pub const OVERSHOOT_MM: f64 = 0.1;
+
+/// A sine is followed if the error stays below this, mm.
+pub const FOLLOWED_MM: f64 = 0.6;
+
+/// A step over all draws. One that does not come to its end has not arrived.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StepScore {
+    /// How many end within each band of [`BANDS_MM`].
+    pub within: [Proportion; BANDS_MM.len()],
+    /// Median time to each band of those that end there, s.
+    pub median_s: [Option<f64>; BANDS_MM.len()],
+    /// Largest overshoot, mm.
+    pub beyond_mm: f64,
+    /// How many overshoot by [`OVERSHOOT_MM`] at most.
+    pub without_overshoot: Proportion,
+    /// How many end in a limit cycle.
+    pub limit_cycles: Proportion,
+    /// The largest swing of one, mm.
+    pub swing_mm: f64,
+    /// In how many of them it cannot be decided whether they do.
+    pub undecided: usize,
+    /// How many still move in the last second.
+    pub moving: usize,
+    /// Runs that have converged.
+    pub converged: Proportion,
+    /// Why runs did not come to their end.
+    pub failed: Vec<String>,
+}
+
+impl StepScore {
+    /// Of a step of each run and whether that has converged, or why it did not come to its end.
+    pub(super) fn of<'a>(runs: impl Iterator<Item = Result<(&'a Arrival, bool), &'a String>>) -> StepScore {
+        let all: Vec<_> = runs.collect();
+        let steps: Vec<&Arrival> = all.iter().filter_map(|run| run.ok().map(|(step, _)| step)).collect();
+        let share = |met: usize| Proportion { met, of: all.len() };
+        let count = |holds: &dyn Fn(&Arrival) -> bool| steps.iter().filter(|step| holds(step)).count();
+        let times = |band: usize| steps.iter().filter_map(|step| step.within_s[band]).collect::<Vec<f64>>();
+        let swings = steps.iter().filter(|step| cycles(step)).filter_map(|step| step.limit_cycle.swing_mm());
+        StepScore {
+            within: [0, 1, 2].map(|band| share(times(band).len())),
+            median_s: [0, 1, 2].map(|band| median(times(band))),
+            beyond_mm: steps.iter().map(|step| step.beyond_mm).fold(0.0, f64::max),
+            without_overshoot: share(count(&|step| step.beyond_mm <= OVERSHOOT_MM)),
+            limit_cycles: share(count(&cycles)),
+            swing_mm: swings.fold(0.0, f64::max),
+            undecided: count(&|step| matches!(step.limit_cycle, LimitCycle::Undecided(_))),
+            moving: count(&Arrival::moves),
+            converged: share(all.iter().filter(|run| matches!(run, Ok((_, true)))).count()),
+            failed: all.iter().filter_map(|run| run.err().cloned()).collect(),
+        }
+    }
+}
+
+fn cycles(step: &Arrival) -> bool {
+    matches!(step.limit_cycle, LimitCycle::Sustained(_))
+}
+
+/// A sine over all draws.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SineScore {
+    /// How many are followed within [`FOLLOWED_MM`].
+    pub followed: Proportion,
+    /// Median and largest of the largest errors of the runs that come to their end, mm.
+    pub largest_mm: Option<[f64; 2]>,
+    /// Runs that have converged.
+    pub converged: Proportion,
+    /// Why runs did not come to their end.
+    pub failed: Vec<String>,
+}
+
+impl SineScore {
+    /// Of the largest error of each run, mm, and whether the run has converged.
+    pub(super) fn of(runs: Vec<Result<(f64, bool), String>>) -> SineScore {
+        let of = runs.len();
+        let mut errors = Vec::new();
+        let (mut converged, mut failed) = (0, Vec::new());
+        for run in runs {
+            match run {
+                Ok((error, has_converged)) => {
+                    errors.push(error);
+                    converged += usize::from(has_converged);
+                }
+                Err(why) => failed.push(why),
+            }
+        }
+        let followed = errors.iter().filter(|error| **error <= FOLLOWED_MM).count();
+        let worst = errors.iter().copied().fold(0.0, f64::max);
+        SineScore {
+            followed: Proportion { met: followed, of },
+            largest_mm: median(errors).map(|middle| [middle, worst]),
+            converged: Proportion { met: converged, of },
+            failed,
+        }
+    }
+}
+
+/// The middle value, or the mean of the two in the middle.
+fn median(mut values: Vec<f64>) -> Option<f64> {
+    values.sort_by(f64::total_cmp);
+    let (low, high) = (values.get(values.len().checked_sub(1)? / 2)?, values.get(values.len() / 2)?);
+    Some(f64::midpoint(*low, *high))
+}
+
+/// The cells of a step in a table: shares, their 95 % intervals in percent, median times, largest overshoot; then how many end in a
+/// limit cycle, cannot be decided, still move, did not come to their end; and how many have converged.
+impl fmt::Display for StepScore {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let join = |texts: [String; BANDS_MM.len()]| texts.join(" / ");
+        let ends = |share: &Proportion| {
+            let [low, high] = share.interval().map(|end| 100.0 * end);
+            format!("{low:.0} to {high:.0}")
+        };
+        let shares = join(self.within.each_ref().map(|share| share.met.to_string()));
+        let intervals = join(self.within.each_ref().map(ends));
+        let times = join(self.median_s.map(|time| time.map_or("-".to_owned(), |s| format!("{s:.3}"))));
+        write!(f, "{shares} | {intervals} | {times} | {:.3} | ", self.beyond_mm)?;
+        write!(f, "{}, {}, {}, ", self.limit_cycles.met, self.undecided, self.moving)?;
+        write!(f, "{} | {}", self.failed.len(), self.converged.met)
+    }
+}
+
+/// The errors of a sine for a cell of a table: median, and the largest.
+impl fmt::Display for SineScore {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self.largest_mm {
+            Some([middle, worst]) => write!(f, "{middle:.2} ({worst:.2})"),
+            None => f.write_str("-"),
+        }
+    }
+}
