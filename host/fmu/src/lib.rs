@@ -24,6 +24,8 @@
 //! | [`archive`] | the FMU as a file |
 //! | [`c_api`] | the functions of the standard, with unsafe code: pointers of a program in C |
 
+#![deny(clippy::print_stdout, clippy::print_stderr)]
+
 pub mod archive;
 pub mod c_api;
 pub mod description;

@@ -22,6 +22,7 @@
 //! | [`study`] | long work on the page's rig: `sweep`, `tune`, `identify` |
 
 #![forbid(unsafe_code)]
+#![deny(clippy::print_stdout, clippy::print_stderr)]
 
 pub mod answer;
 pub mod asked;

@@ -1,5 +1,7 @@
 //! The Python package `pneudrive`: its compiled part, `pneudrive._pneudrive`.
 
+#![deny(clippy::print_stdout, clippy::print_stderr)]
+
 mod bench;
 mod channels;
 mod controller;

@@ -10,6 +10,8 @@
 //! A table is read as it was written, or refused with its line, its column, its cell and the remedy. An ambiguous
 //! table is refused, too.
 
+#![deny(clippy::print_stdout, clippy::print_stderr)]
+
 mod dialect;
 mod instant;
 mod number;
