@@ -8,8 +8,8 @@ use crate::pairs::{KINDS, PARTED_M, Pair, drawn_rig};
 /// Its errors grow 5,000-fold over its test, and at 1e-11 and at 1e-13 they are nearly the same by chance.
 #[test]
 fn a_run_that_agrees_with_a_finer_one_by_chance_is_not_converged() {
-    let text = include_str!("cases/decided_lugre.toml");
-    let rig = Rig::read("decided_lugre", text).expect("a valid rig");
+    let text = include_str!("cases/converged_lugre.toml");
+    let rig = Rig::read("converged_lugre", text).expect("a valid rig");
     let usual = Accuracy::of(&rig);
     let mut parted = 0;
     for accuracy in [usual, Accuracy { method: Method::Merson, tolerance: 1e-12 }] {
