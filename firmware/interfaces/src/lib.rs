@@ -23,7 +23,7 @@ pub mod spi_board;
 pub mod step_pins;
 pub mod wired_board;
 
-use pneudrive_controller::drive::Translator;
+use pneudrive_controller::drive::{DacCode, Translator};
 
 /// A counter of an encoder's edges, or an encoder that knows its position.
 pub trait EncoderCounter {
@@ -69,15 +69,15 @@ pub trait ValveOutput {
     /// Why the command was not taken.
     type Error;
 
-    /// Sets the converter to a code of 0 to 4095; a larger one counts as 4095.
+    /// Sets the converter to a code.
     ///
     /// # Errors
     /// When the converter cannot be reached. A converter that cannot be read back may miss a code unnoticed.
-    fn set_code(&mut self, code: u16) -> Result<(), Self::Error>;
+    fn set_code(&mut self, code: DacCode) -> Result<(), Self::Error>;
 
     /// The code of the valve's null by the present configuration, for a board whose program sets it when it breaks
     /// down. Called before every command.
-    fn note_null(&mut self, _code: u16) {}
+    fn note_null(&mut self, _code: DacCode) {}
 }
 
 /// Where a step takes the spool of a stepper valve.

@@ -13,16 +13,13 @@ use pneudrive_app::runtime::clock::{Clock, Timer};
 use pneudrive_app::runtime::drive::ClockedBoard;
 use pneudrive_app::runtime::spool::{SpoolMemory, location, words};
 use pneudrive_app::{Board, Store};
-use pneudrive_controller::drive::{DriveConfig, SpoolLocation};
+use pneudrive_controller::drive::{DacCode, DriveConfig, SpoolLocation};
 use pneudrive_controller::{Command, Config, Sample};
 
 use crate::{Conversions, Direction, EncoderCounter, PressureInput, StepDirection, Terminals, ValveOutput};
 
 /// The value of a failed conversion: below every range, so it trips as an open sensor does.
 pub const NO_CONVERSION: i16 = -1;
-
-/// The code of the converter while a stepper drives the valve: the middle of its range.
-const MIDDLE: u16 = 2048;
 
 /// The kinds of parts that a board is made of.
 pub trait Parts {
@@ -91,7 +88,7 @@ impl<P: Parts> Stages<P> {
     pub fn new(valve: P::Valve, steps: P::Steps, enable: P::Enable) -> Stages<P> {
         let mut stages: Stages<P> = Stages { valve, steps, enable, failed: false };
         stages.disable();
-        stages.failed |= stages.valve.set_code(MIDDLE).is_err();
+        stages.failed |= stages.valve.set_code(DacCode::MIDDLE).is_err();
         stages
     }
 
@@ -108,7 +105,7 @@ impl<P: Parts> Stages<P> {
                 self.valve.set_code(dac.code(command.counts)).is_err()
             }
             DriveConfig::Stepper { translator, .. } => {
-                let middle = self.valve.set_code(MIDDLE).is_ok();
+                let middle = self.valve.set_code(DacCode::MIDDLE).is_ok();
                 let step = direction(command.step);
                 !middle || step.is_some_and(|step| self.steps.step(translator, step).is_err())
             }

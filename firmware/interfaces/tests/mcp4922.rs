@@ -4,6 +4,7 @@ use crate::chip_bus::{NO_WAIT, exchange};
 use crate::failing_bus::FailingBus;
 use embedded_hal::spi::ErrorKind;
 use embedded_hal_mock::eh1::spi::Mock;
+use pneudrive_controller::drive::DacCode;
 use pneudrive_interfaces::ValveOutput;
 use pneudrive_interfaces::chip::ChipError;
 use pneudrive_interfaces::chip::mcp4922::{Channel, Mcp4922, TIMES};
@@ -12,7 +13,7 @@ use pneudrive_interfaces::chip::mcp4922::{Channel, Mcp4922, TIMES};
 fn expect(channel: Channel, code: u16, frame: [u8; 2]) {
     let bus = Mock::new(&exchange(TIMES, &frame, &[0xff; 2]));
     let mut converter = Mcp4922::new(bus, NO_WAIT, channel);
-    converter.set_code(code).expect("the bus works");
+    converter.set_code(DacCode::new(code)).expect("the bus works");
     converter.release().done();
 }
 
@@ -38,5 +39,5 @@ fn a_code_beyond_the_range_is_the_largest_and_changes_no_other_bit() {
 #[test]
 fn a_bus_that_fails_is_an_error() {
     let mut converter = Mcp4922::new(FailingBus, NO_WAIT, Channel::A);
-    assert_eq!(converter.set_code(2048), Err(ChipError::Bus(ErrorKind::Other)));
+    assert_eq!(converter.set_code(DacCode::MIDDLE), Err(ChipError::Bus(ErrorKind::Other)));
 }

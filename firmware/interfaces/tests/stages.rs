@@ -9,13 +9,13 @@ use pneudrive_app::runtime::clock::{Mark, Timer};
 use pneudrive_app::runtime::spool::SpoolMemory;
 use pneudrive_app::store::NoStore;
 use pneudrive_controller::Command;
-use pneudrive_controller::drive::{DacConfig, DriveConfig, Translator};
+use pneudrive_controller::drive::{DacCode, DacConfig, DriveConfig, Translator};
 use pneudrive_interfaces::wired_board::{Parts, Stages};
 use pneudrive_interfaces::{
     Conversions, Direction, EncoderCounter, PressureInput, StepDirection, Terminals, ValveOutput,
 };
 
-const SOLENOID: DriveConfig = DriveConfig::Dac(DacConfig { null_code: 2000, inverted: false });
+const SOLENOID: DriveConfig = DriveConfig::Dac(DacConfig { null_code: DacCode::new(2000), inverted: false });
 const TRANSLATOR: Translator = Translator { pulse_width_us: 10, direction_setup_us: 10 };
 const STEPPER: DriveConfig = DriveConfig::Stepper { max_steps: 40, translator: TRANSLATOR };
 
@@ -65,8 +65,8 @@ impl OutputPin for Enable {
 impl ValveOutput for Lines {
     type Error = ();
 
-    fn set_code(&mut self, code: u16) -> Result<(), ()> {
-        self.take(Event::Code(code))
+    fn set_code(&mut self, code: DacCode) -> Result<(), ()> {
+        self.take(Event::Code(code.get()))
     }
 }
 

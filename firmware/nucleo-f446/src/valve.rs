@@ -8,14 +8,14 @@ use core::sync::atomic::{AtomicU16, Ordering};
 
 use pneudrive_app::runtime::instants::prescaler;
 use pneudrive_app::runtime::pulse::Pulse;
-use pneudrive_controller::drive::Translator;
+use pneudrive_controller::drive::{DacCode, Translator};
 use pneudrive_interfaces::{Direction, StepDirection, ValveOutput};
 use stm32f4xx_hal::gpio::{Alternate, Analog, Output, PA4, PB6, PC7, PinState};
 use stm32f4xx_hal::pac::{DAC, GPIOB, TIM4};
 use stm32f4xx_hal::rcc::{BusTimerClock, Enable, Rcc, Reset};
 
 /// Half of the converter's range: null, until a configuration says otherwise.
-const MIDDLE: u16 = 2048;
+const MIDDLE: u16 = DacCode::MIDDLE.get();
 
 /// The code of the valve's null, for whoever switches off from outside.
 static NULL_CODE: AtomicU16 = AtomicU16::new(MIDDLE);
@@ -41,14 +41,14 @@ impl ValveOutput for Converter {
     type Error = Infallible;
 
     #[inline]
-    fn set_code(&mut self, code: u16) -> Result<(), Infallible> {
-        self.dac.dhr12r1().write(|w| w.daccdhr().set(code));
+    fn set_code(&mut self, code: DacCode) -> Result<(), Infallible> {
+        self.dac.dhr12r1().write(|w| w.daccdhr().set(code.get()));
         Ok(())
     }
 
     #[inline]
-    fn note_null(&mut self, code: u16) {
-        NULL_CODE.store(code, Ordering::Relaxed);
+    fn note_null(&mut self, code: DacCode) {
+        NULL_CODE.store(code.get(), Ordering::Relaxed);
     }
 }
 

@@ -51,7 +51,7 @@ probes! {
 
     probe_configure(parameters: &Parameters) -> Result<Config, ConfigError> = Config::new(parameters);
     probe_advice(error: ConfigError) -> &'static str = error.advice();
-    probe_code(dac: &DacConfig, counts: i16) -> u16 = dac.code(counts);
+    probe_code(dac: &DacConfig, counts: i16) -> u16 = dac.code(counts).get();
 
     probe_parameters() -> Parameters = Parameters::default();
     probe_set(parameters: &mut Parameters, id: u16, value: i32) -> Result<(), SetError> =

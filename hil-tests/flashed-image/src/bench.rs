@@ -178,13 +178,13 @@ fn counts_of(volts: f64) -> i16 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use pneudrive_controller::drive::DacConfig;
+    use pneudrive_controller::drive::{DacCode, DacConfig};
 
     #[test]
     fn the_amplifier_makes_of_every_code_the_counts_that_the_board_meant() {
-        let dac = DacConfig { null_code: 2048, inverted: false };
+        let dac = DacConfig { null_code: DacCode::MIDDLE, inverted: false };
         for counts in (-2048..=2046).chain([2048]) {
-            let volts = REFERENCE_V * f64::from(dac.code(counts)) / CODES;
+            let volts = REFERENCE_V * f64::from(dac.code(counts).get()) / CODES;
             assert_eq!(counts_of(volts), counts);
         }
     }

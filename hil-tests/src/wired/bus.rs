@@ -141,6 +141,7 @@ impl<M: Model> SpiDevice for Bus<M> {
 #[cfg(test)]
 mod tests {
     use embedded_hal::delay::DelayNs;
+    use pneudrive_controller::drive::DacCode;
     use pneudrive_interfaces::chip::{ls7366r, mcp3208, mcp4922};
     use pneudrive_interfaces::{EncoderCounter, PressureInput, ValveOutput};
 
@@ -185,15 +186,15 @@ mod tests {
         let bus = || Bus::new(Rc::new(RefCell::new(Mcp4922::new(Rc::clone(&wires)))), &wires, 20_000);
         let mut waits = mcp4922::Mcp4922::new(bus(), waiting(&wires), mcp4922::Channel::A);
         let mut volts = |code| {
-            waits.set_code(code).expect("the bus works");
+            waits.set_code(DacCode::new(code)).expect("the bus works");
             wires.borrow().command_v
         };
         let [low, high] = [volts(0), volts(4095)];
         assert!(low < high, "{low:?} {high:?}");
 
         let mut hastes = mcp4922::Mcp4922::new(bus(), Hasty, mcp4922::Channel::A);
-        hastes.set_code(0).expect("the bus works");
-        hastes.set_code(4095).expect("the bus works");
+        hastes.set_code(DacCode::new(0)).expect("the bus works");
+        hastes.set_code(DacCode::new(4095)).expect("the bus works");
         assert_eq!(wires.borrow().command_v, low, "the second frame came at once");
     }
 

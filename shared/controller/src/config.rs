@@ -10,7 +10,7 @@ pub use error::ConfigError;
 pub use unwatched::unwatched;
 
 use crate::choice::HomingKind;
-use crate::drive::{DacConfig, DriveConfig, MAX_COUNTS, Translator};
+use crate::drive::{DacCode, DacConfig, DriveConfig, MAX_COUNTS, Translator};
 use crate::estimator::EstimatorConfig;
 use crate::homing::HomingConfig;
 use crate::law::{self, LawConfig, Loop, Settings};
@@ -125,7 +125,7 @@ impl Default for Config {
                 end_min: 0,
                 end_max: 24_896,
             },
-            drive: DriveConfig::Dac(DacConfig { null_code: 2048, inverted: false }),
+            drive: DriveConfig::Dac(DacConfig { null_code: DacCode::MIDDLE, inverted: false }),
             encoder_inverted: false,
             pressure_mask: ALL_BITS,
         }
@@ -284,7 +284,7 @@ fn limits(parameters: &Parameters, period_us: NonZeroU32, largest: i16) -> Limit
 fn drive(parameters: &Parameters) -> DriveConfig {
     if parameters.scalar(id::STEPPER) == 0 {
         DriveConfig::Dac(DacConfig {
-            null_code: parameters.scalar(id::NULL_CODE).unsigned_abs() as u16,
+            null_code: DacCode::new(parameters.scalar(id::NULL_CODE).unsigned_abs() as u16),
             inverted: parameters.scalar(id::OUTPUT_INVERTED) != 0,
         })
     } else {
@@ -344,7 +344,7 @@ mod tests {
         assert_eq!((config.law.velocity_dead_band, config.law.dead_band), (NonZeroU32::new(5), 6));
         assert_eq!(config.law.null_offset, -7);
         assert!(config.encoder_inverted);
-        assert_eq!(config.drive, DriveConfig::Dac(DacConfig { null_code: 2048, inverted: true }));
+        assert_eq!(config.drive, DriveConfig::Dac(DacConfig { null_code: DacCode::MIDDLE, inverted: true }));
         assert_eq!((config.timing.late_sample_us, config.timing.host_silence_ms), (9, 10));
         assert_eq!((config.limits.encoder_step, config.timing.hold_ms), (11, 12));
         assert_eq!(config.timing.latest_output_us, 513);

@@ -36,11 +36,33 @@ pub struct Translator {
     pub direction_setup_us: u32,
 }
 
+/// A code of the converter, 0 to [`MAX_CODE`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct DacCode(u16);
+
+impl DacCode {
+    /// The middle of the range.
+    pub const MIDDLE: DacCode = DacCode(MAX_COUNTS as u16);
+
+    /// A code; one beyond the range is the largest.
+    #[must_use]
+    pub const fn new(code: u16) -> DacCode {
+        DacCode(if code > MAX_CODE { MAX_CODE } else { code })
+    }
+
+    /// As the converter takes it.
+    #[inline]
+    #[must_use]
+    pub const fn get(self) -> u16 {
+        self.0
+    }
+}
+
 /// How commands become codes of the converter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DacConfig {
     /// The code at which the valve is at its null.
-    pub null_code: u16,
+    pub null_code: DacCode,
     /// Whether a larger code retracts.
     pub inverted: bool,
 }
@@ -65,10 +87,10 @@ impl DriveConfig {
 impl DacConfig {
     /// The code for a command, within the converter's range for any command.
     #[must_use]
-    pub fn code(&self, counts: i16) -> u16 {
+    pub fn code(&self, counts: i16) -> DacCode {
         let counts = i32::from(counts);
         let signed = if self.inverted { -counts } else { counts };
-        (i32::from(self.null_code) + signed).clamp(0, i32::from(MAX_CODE)) as u16
+        DacCode((i32::from(self.null_code.0) + signed).clamp(0, i32::from(MAX_CODE)) as u16)
     }
 }
 
@@ -101,16 +123,20 @@ impl SpoolLocation {
 mod tests {
     use super::*;
 
-    const DAC: DacConfig = DacConfig { null_code: 2048, inverted: false };
+    const DAC: DacConfig = DacConfig { null_code: DacCode::MIDDLE, inverted: false };
 
     #[test]
     fn null_is_the_null_code_and_polarity_turns_the_sign() {
         let inverted = DacConfig { inverted: true, ..DAC };
-        assert_eq!((DAC.code(0), inverted.code(0)), (2048, 2048));
-        assert_eq!((DAC.code(100), inverted.code(100)), (2148, 1948));
-        assert_eq!([2046, 2047, 2048].map(|counts| DAC.code(counts)), [4094, 4095, 4095], "one code for two");
-        assert_eq!([-2046, -2047, -2048].map(|counts| DAC.code(counts)), [2, 1, 0]);
-        assert_eq!((inverted.code(i16::MIN), inverted.code(i16::MAX)), (4095, 0));
+        assert_eq!((DAC.code(0).get(), inverted.code(0).get()), (2048, 2048));
+        assert_eq!((DAC.code(100).get(), inverted.code(100).get()), (2148, 1948));
+        assert_eq!(
+            [2046, 2047, 2048].map(|counts| DAC.code(counts).get()),
+            [4094, 4095, 4095],
+            "one code for two"
+        );
+        assert_eq!([-2046, -2047, -2048].map(|counts| DAC.code(counts).get()), [2, 1, 0]);
+        assert_eq!((inverted.code(i16::MIN).get(), inverted.code(i16::MAX).get()), (4095, 0));
     }
 
     #[test]

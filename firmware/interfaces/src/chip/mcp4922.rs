@@ -17,7 +17,7 @@
 
 use embedded_hal::delay::DelayNs;
 use embedded_hal::spi::SpiDevice;
-use pneudrive_controller::drive::MAX_CODE;
+use pneudrive_controller::drive::DacCode;
 
 use super::ChipError;
 use super::frame::{Frames, Times};
@@ -59,15 +59,15 @@ impl<SPI: SpiDevice, D: DelayNs> Mcp4922<SPI, D> {
 }
 
 /// The frame that sets a converter to a code.
-fn frame(channel: Channel, code: u16) -> [u8; 2] {
+fn frame(channel: Channel, code: DacCode) -> [u8; 2] {
     let select = if channel == Channel::B { CHANNEL_B } else { 0 };
-    (select | GAIN_1 | ACTIVE | code.min(MAX_CODE)).to_be_bytes()
+    (select | GAIN_1 | ACTIVE | code.get()).to_be_bytes()
 }
 
 impl<SPI: SpiDevice, D: DelayNs> ValveOutput for Mcp4922<SPI, D> {
     type Error = ChipError<SPI::Error>;
 
-    fn set_code(&mut self, code: u16) -> Result<(), Self::Error> {
+    fn set_code(&mut self, code: DacCode) -> Result<(), Self::Error> {
         self.frames.exchange(&mut frame(self.channel, code))
     }
 }

@@ -4,7 +4,7 @@
 use std::time::{Duration, Instant};
 
 use anyhow::Result;
-use pneudrive_controller::drive::{DacConfig, MAX_CODE};
+use pneudrive_controller::drive::{DacCode, DacConfig, MAX_CODE};
 use pneudrive_controller::parameters::id;
 use pneudrive_protocol::Mode;
 use pneudrive_records::words;
@@ -113,10 +113,11 @@ impl BringUp<'_> {
         if self.is_stepper() {
             return format!("spool at {command:+} steps from its null");
         }
-        let null_code = self.parameter(id::NULL_CODE).unwrap_or(2048) as u16;
+        let null_code =
+            self.parameter(id::NULL_CODE).map_or(DacCode::MIDDLE, |code| DacCode::new(code as u16));
         let inverted = self.parameter(id::OUTPUT_INVERTED) == Some(1);
         let code = DacConfig { null_code, inverted }.code(command as i16);
-        let volts = f64::from(code) / f64::from(MAX_CODE) * REFERENCE_V;
+        let volts = f64::from(code.get()) / f64::from(MAX_CODE) * REFERENCE_V;
         format!("{command:+} counts = {volts:.2} V at the pin")
     }
 
