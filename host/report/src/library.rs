@@ -1,13 +1,14 @@
-//! The library that draws the graphs of a page: plotly.js, taken from its crate, so that no copy of it is in our sources.
+//! The library that draws the graphs of a page: plotly.js under its MIT licence, `plotly.min.js` of the package
+//! plotly.js-dist-min of npm, compressed. Its crate would bring it, too, with 20 others that nothing here uses.
 
 use std::io::Write;
 use std::path::Path;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use flate2::Compression;
-use flate2::write::GzEncoder;
+use flate2::write::{GzDecoder, GzEncoder};
 use pneudrive_records::own_file::refuse_to_replace;
 use pneudrive_records::whole_file::put;
 
@@ -21,6 +22,9 @@ pub enum Library {
     Within,
 }
 
+/// The file of the library.
+const NAME: &str = "plotly-3.0.1.min.js";
+
 /// The library's own statement in every version.
 const MARK: &str = "plotly.js v";
 
@@ -33,26 +37,25 @@ impl Library {
         if self == Library::Within {
             return Ok(());
         }
-        let script = script()?;
-        let path = folder.join(name(script));
+        let script = unpacked(library()?)?;
+        let path = folder.join(NAME);
         let is_there = std::fs::metadata(&path).is_ok_and(|there| there.len() == script.len() as u64);
         if is_there {
             return Ok(());
         }
         refuse_to_replace(&path, MARK)?;
-        put(&path, script)
+        put(&path, &script)
     }
 
     /// How the library comes into a page, and the text of a page without it.
     pub(super) fn element(self) -> Result<(String, String)> {
-        let script = script()?;
-        let name = name(script);
+        let library = library()?;
         let element = match self {
-            Library::Beside => format!("<script src=\"{name}\"></script>\n"),
-            Library::Within => packed("library", script)?,
+            Library::Beside => format!("<script src=\"{NAME}\"></script>\n"),
+            Library::Within => element("library", library),
         };
         let without =
-            format!("The graphs need {name} beside this page; --single-file puts it into the page.");
+            format!("The graphs need {NAME} beside this page; --single-file puts it into the page.");
         Ok((element, without))
     }
 }
@@ -61,31 +64,43 @@ impl Library {
 pub(super) fn packed(id: &str, text: &str) -> Result<String> {
     let mut encoder = GzEncoder::new(Vec::new(), Compression::best());
     encoder.write_all(text.as_bytes())?;
-    let letters = STANDARD.encode(encoder.finish()?);
-    Ok(format!("<script type=\"application/gzip\" id=\"{id}\">{letters}</script>\n"))
+    Ok(element(id, &encoder.finish()?))
 }
 
-/// The file of the library, with its version.
-fn name(script: &str) -> String {
-    let version = script.split_once(MARK).and_then(|(_, rest)| rest.split_whitespace().next());
-    format!("plotly-{}.min.js", version.unwrap_or("library"))
+fn element(id: &str, compressed: &[u8]) -> String {
+    let letters = STANDARD.encode(compressed);
+    format!("<script type=\"application/gzip\" id=\"{id}\">{letters}</script>\n")
 }
 
-/// The library, without the formula renderer that comes with it.
+fn unpacked(compressed: &[u8]) -> Result<Vec<u8>> {
+    let mut decoder = GzDecoder::new(Vec::new());
+    decoder.write_all(compressed)?;
+    Ok(decoder.finish()?)
+}
+
+/// The library, compressed.
 #[cfg(not(target_family = "wasm"))]
-fn script() -> Result<&'static str> {
-    use std::sync::LazyLock;
-    static SCRIPT: LazyLock<Option<String>> = LazyLock::new(|| {
-        let scripts = plotly::Plot::offline_js_sources();
-        let script = scripts.split("</script>").find(|script| script.contains(MARK))?;
-        let (_, script) = script.split_once('>')?;
-        Some(script.trim().to_owned())
-    });
-    SCRIPT.as_deref().context("the plotting library has no script")
+fn library() -> Result<&'static [u8]> {
+    Ok(include_bytes!("plotly-3.0.1.min.js.gz"))
 }
 
 /// In a browser there are no files to write, so there is nothing to put into them.
 #[cfg(target_family = "wasm")]
-fn script() -> Result<&'static str> {
-    None.context("a browser writes no pages")
+fn library() -> Result<&'static [u8]> {
+    anyhow::bail!("a browser writes no pages")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_library_is_of_the_version_that_its_name_says_and_tells_its_licence() {
+        let script = unpacked(library().expect("there")).expect("whole");
+        let head = String::from_utf8_lossy(&script[..200]).into_owned();
+        let (_, version) = head.split_once(MARK).expect("its statement");
+        let version = version.split_whitespace().next().expect("a version");
+        assert_eq!(NAME, format!("plotly-{version}.min.js"));
+        assert!(head.contains("MIT license"), "{head}");
+    }
 }
