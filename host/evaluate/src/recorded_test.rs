@@ -183,8 +183,9 @@ fn from_end_of_run(run: &StoredRun, rig: &Rig) -> Result<Taken> {
     Ok(Taken { rig: rig.with_settings(&start.settings(None))?, notes: vec![note] })
 }
 
-const KEYS_OF_PRESSURES: [&str; 2] = ["test.pressure_1_pa", "test.pressure_2_pa"];
-const KEYS_OF_TEMPERATURES: [&str; 2] = ["test.temperature_1_k", "test.temperature_2_k"];
+const KEYS_OF_PRESSURES: [&str; 2] = [keys::test::PRESSURE_1_PA.key.path, keys::test::PRESSURE_2_PA.key.path];
+const KEYS_OF_TEMPERATURES: [&str; 2] =
+    [keys::test::TEMPERATURE_1_K.key.path, keys::test::TEMPERATURE_2_K.key.path];
 
 /// The state that a simulation begins with.
 struct Start {
@@ -204,7 +205,7 @@ impl Start {
 
     fn settings(&self, rig: Option<&Rig>) -> Vec<String> {
         let own = |key: &str| rig.and_then(|rig| rig.number_at(key));
-        let mut all = vec![("test.position_m", Some(self.position_m))];
+        let mut all = vec![(keys::test::POSITION_M.path, Some(self.position_m))];
         for (keys, both) in
             [(KEYS_OF_PRESSURES, self.pressures_pa), (KEYS_OF_TEMPERATURES, self.temperatures_k)]
         {

@@ -181,11 +181,11 @@ fn own_parameters(part: Part) -> Vec<Variable> {
 const OF_PLANT: [&str; 7] = [
     keys::controller::DELAY_S.key.path,
     keys::controller::START_S.key.path,
-    "test.position_m",
-    "test.pressure_1_pa",
-    "test.pressure_2_pa",
-    "test.temperature_1_k",
-    "test.temperature_2_k",
+    keys::test::POSITION_M.key.path,
+    keys::test::PRESSURE_1_PA.key.path,
+    keys::test::PRESSURE_2_PA.key.path,
+    keys::test::TEMPERATURE_1_K.key.path,
+    keys::test::TEMPERATURE_2_K.key.path,
 ];
 
 /// Whether a part uses a key.

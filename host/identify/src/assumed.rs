@@ -3,6 +3,7 @@
 //! They are unknowns of the posterior but not of the search: the estimates hold for the file's values, and the intervals
 //! allow for their uncertainty.
 
+use pneudrive_sim::keys;
 use std::ops::Range;
 
 use anyhow::{Result, anyhow};
@@ -19,11 +20,11 @@ use super::{Estimate, Given, Share, Unseen};
 /// The key, and its standard deviation in its unit.
 const ASSUMED: [(&str, f64); 1] = [
     // A drive that somebody has levelled. Its weight acts as friction that is stronger one way: no test tells them apart.
-    ("load.incline_deg", LEVELLING_ERROR_DEG),
+    (keys::load::INCLINE_DEG.key.path, LEVELLING_ERROR_DEG),
 ];
 
 /// Keys that do what others do, so that a fit of one takes the other for known.
-const SAME: [(&str, &str); 1] = [("load.constant_force_n", "load.incline_deg")];
+const SAME: [(&str, &str); 1] = [(keys::load::CONSTANT_FORCE_N.key.path, keys::load::INCLINE_DEG.key.path)];
 
 /// The posterior of the parameters of a model, then of what is assumed, then of the initial states.
 pub(super) struct Considered {

@@ -22,6 +22,7 @@ use nalgebra::{DMatrix, DVector};
 use pneudrive_sim::Rig;
 use pneudrive_sim::component::actuator::Actuator;
 use pneudrive_sim::component::load::{self, Load};
+use pneudrive_sim::keys;
 
 use super::recording::Recording;
 use pneudrive_report::Table;
@@ -111,8 +112,8 @@ impl Figures {
             row(&format!("stiction, {way}"), "N", self.stiction[i], Some(&key("static")));
             row(&format!("dry friction while it slips, {way}"), "N", self.coulomb[i], Some(&key("coulomb")));
         }
-        row("viscous friction", "N s/m", self.viscous, Some("load.viscous_n_s_per_m"));
-        row("mass", "kg", self.mass, Some("load.mass_kg"));
+        row("viscous friction", "N s/m", self.viscous, Some(keys::load::VISCOUS_N_S_PER_M.path));
+        row("mass", "kg", self.mass, Some(keys::load::MASS_KG.path));
         for (i, way) in [extend, retract].into_iter().enumerate() {
             row(&format!("top speed, {way}"), "m/s", plain(self.top_speed[i]), None);
             row(&format!("top acceleration, {way}"), "m/s^2", plain(self.top_acceleration[i]), None);

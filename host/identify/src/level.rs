@@ -27,10 +27,10 @@ const GRAVITY: f64 = 9.806_65;
 
 /// The four, each with its sign.
 const FRICTIONS: [(&str, f64); 4] = [
-    ("load.static_extend_n", 1.0),
-    ("load.coulomb_extend_n", 1.0),
-    ("load.static_retract_n", -1.0),
-    ("load.coulomb_retract_n", -1.0),
+    (keys::friction::STATIC_EXTEND_N.key.path, 1.0),
+    (keys::friction::COULOMB_EXTEND_N.key.path, 1.0),
+    (keys::friction::STATIC_RETRACT_N.key.path, -1.0),
+    (keys::friction::COULOMB_RETRACT_N.key.path, -1.0),
 ];
 
 /// Friction that is down to this part of the file's is gone: a larger force cannot take more.
@@ -110,7 +110,7 @@ fn common(values: &[(f64, f64, f64)]) -> Common {
 /// constant force is fitted, or not all friction is.
 pub(super) fn suggested(model: &Model, u: &[f64]) -> Option<Incline> {
     let is_fitted = |path: &str| model.parameters.iter().any(|parameter| parameter.key.path == path);
-    if is_fitted("load.incline_deg") || is_fitted("load.constant_force_n") {
+    if is_fitted(keys::load::INCLINE_DEG.path) || is_fitted(keys::load::CONSTANT_FORCE_N.path) {
         return None;
     }
     let hung = Hung::at(model, u)?;

@@ -11,6 +11,7 @@ use anyhow::{Result, ensure};
 use nalgebra::DVector;
 use pneudrive_sim::component::sensors::calibration::Calibration;
 use pneudrive_sim::follow::Reading;
+use pneudrive_sim::keys;
 use pneudrive_sim::{Accuracy, Rig};
 
 use super::ChannelFit;
@@ -32,8 +33,8 @@ pub(super) const ROUNDING: f64 = 0.288_675_134_594_812_9;
 
 /// Coulomb friction is not above stiction.
 const FRICTIONS: [(&str, &str); 3] = [
-    ("load.coulomb_extend_n", "load.static_extend_n"),
-    ("load.coulomb_retract_n", "load.static_retract_n"),
+    (keys::friction::COULOMB_EXTEND_N.key.path, keys::friction::STATIC_EXTEND_N.key.path),
+    (keys::friction::COULOMB_RETRACT_N.key.path, keys::friction::STATIC_RETRACT_N.key.path),
     ("operator.coulomb_friction_n", "operator.static_friction_n"),
 ];
 

@@ -99,7 +99,7 @@ fn staircase(rig: &Rig, position: f64, height: i32, seconds: f64) -> Result<Rig>
 /// When the piston is too near to an end, or the model does not move.
 pub fn test(rig: &Rig, position: f64, (_, rest, strokes): Test) -> Result<Rig> {
     let start = middle_of_count(rig, position);
-    let rig = &rig.with_numbers(&[("test.position_m", start)])?;
+    let rig = &rig.with_numbers(&[(keys::test::POSITION_M.path, start)])?;
     let period = 1e-6 * f64::from(rig.period_us().get());
     let mut moves = vec![(0.0, 0)];
     let mut time = rest.max(period * RESTING as f64);

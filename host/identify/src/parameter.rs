@@ -13,32 +13,32 @@ const TABLES: [&str; 9] =
 
 /// The numbers of `[test]` that can be fitted.
 const START: [&str; 5] = [
-    "test.position_m",
-    "test.pressure_1_pa",
-    "test.pressure_2_pa",
-    "test.temperature_1_k",
-    "test.temperature_2_k",
+    keys::test::POSITION_M.key.path,
+    keys::test::PRESSURE_1_PA.key.path,
+    keys::test::PRESSURE_2_PA.key.path,
+    keys::test::TEMPERATURE_1_K.key.path,
+    keys::test::TEMPERATURE_2_K.key.path,
 ];
 
 /// Prior standard deviation of numbers that are searched by their difference from the file's value.
 const DIFFERENCES: [(&str, f64); 9] = [
-    ("valve.null_offset_mm", 0.1),
-    ("valve.flow_map_shift", 1.0),
-    ("valve.underlap_mm", 0.1),
-    ("load.constant_force_n", 50.0),
-    ("load.incline_deg", 10.0),
-    ("operator.dither_phase_deg", 90.0),
-    ("supply.temperature_k", 10.0),
-    ("exhaust.temperature_k", 10.0),
-    ("test.position_m", 1e-3),
+    (keys::valve::NULL_OFFSET_MM.key.path, 0.1),
+    (keys::flow_map::FLOW_MAP_SHIFT.key.path, 1.0),
+    (keys::valve::UNDERLAP_MM.key.path, 0.1),
+    (keys::load::CONSTANT_FORCE_N.key.path, 50.0),
+    (keys::load::INCLINE_DEG.key.path, 10.0),
+    (keys::dither::DITHER_PHASE_DEG.key.path, 90.0),
+    (keys::supply::TEMPERATURE_K.key.path, 10.0),
+    (keys::exhaust::TEMPERATURE_K.key.path, 10.0),
+    (keys::test::POSITION_M.key.path, 1e-3),
 ];
 
 /// Prior standard deviation of the logarithm of a gauge reading.
 const LOGARITHMS: [(&str, f64); 4] = [
-    ("supply.pressure_pa", 0.1),
-    ("exhaust.pressure_pa", 0.05),
-    ("test.pressure_1_pa", 0.1),
-    ("test.pressure_2_pa", 0.1),
+    (keys::supply::PRESSURE_PA.key.path, 0.1),
+    (keys::exhaust::PRESSURE_PA.key.path, 0.05),
+    (keys::test::PRESSURE_1_PA.key.path, 0.1),
+    (keys::test::PRESSURE_2_PA.key.path, 0.1),
 ];
 
 /// The same of what is known to a factor of two.
@@ -233,18 +233,18 @@ fn not_physical(path: &str) -> anyhow::Error {
 
 /// Numbers that are fitted besides those that a spread draws, as they are never known exactly, either.
 const ALSO: [&str; 12] = [
-    "valve.null_offset_mm",
-    "valve.flow_map_shift",
-    "valve.sonic_conductance_m3_per_s_pa",
-    "valve.critical_ratio",
-    "valve.exhaust_sonic_conductance_m3_per_s_pa",
-    "valve.exhaust_critical_ratio",
-    "valve.leakage_percent",
-    "operator.stiffness_per_mass_per_s2",
-    "operator.damping_per_s",
-    "tubing.friction_factor",
-    "actuator.leakage_coefficient",
-    "actuator.passage_clearance_m",
+    keys::valve::NULL_OFFSET_MM.key.path,
+    keys::flow_map::FLOW_MAP_SHIFT.key.path,
+    keys::iso6358::SONIC_CONDUCTANCE_M3_PER_S_PA.key.path,
+    keys::iso6358::CRITICAL_RATIO.key.path,
+    keys::iso6358::EXHAUST_SONIC_CONDUCTANCE_M3_PER_S_PA.key.path,
+    keys::iso6358::EXHAUST_CRITICAL_RATIO.key.path,
+    keys::lands::LEAKAGE_PERCENT.key.path,
+    keys::empirical::STIFFNESS_PER_MASS_PER_S2.key.path,
+    keys::empirical::DAMPING_PER_S.key.path,
+    keys::tubing::FRICTION_FACTOR.key.path,
+    keys::leakage::LEAKAGE_COEFFICIENT.key.path,
+    keys::leakage::PASSAGE_CLEARANCE_M.key.path,
 ];
 
 /// What is fitted if nothing is named: every physical value that the rig's models use and that is never known exactly.

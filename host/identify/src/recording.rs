@@ -24,11 +24,16 @@ pub const CHANNELS: [(&str, &str); 4] =
     [("position", "mm"), ("pressure 1", "kPa"), ("pressure 2", "kPa"), ("spool", "mm")];
 
 /// The keys of an initial state.
-const KEYS_OF_START: [&str; 3] = ["test.position_m", "test.pressure_1_pa", "test.pressure_2_pa"];
+const KEYS_OF_START: [&str; 3] =
+    [keys::test::POSITION_M.key.path, keys::test::PRESSURE_1_PA.key.path, keys::test::PRESSURE_2_PA.key.path];
 
 /// The dry friction of a load, and the part of the file's that may be left of it: it is known to a factor of two.
-const DRY_FRICTION: [&str; 4] =
-    ["load.static_extend_n", "load.coulomb_extend_n", "load.static_retract_n", "load.coulomb_retract_n"];
+const DRY_FRICTION: [&str; 4] = [
+    keys::friction::STATIC_EXTEND_N.key.path,
+    keys::friction::COULOMB_EXTEND_N.key.path,
+    keys::friction::STATIC_RETRACT_N.key.path,
+    keys::friction::COULOMB_RETRACT_N.key.path,
+];
 const MIN_FRICTION: f64 = 0.5;
 
 /// A dither may shake a load so many times as far as that of the model: what it does depends on all that a fit has to find.

@@ -64,8 +64,8 @@ pub fn members(rig: &Rig, spacing: Spacing) -> Vec<Result<Rig, Problems>> {
         let angle = TAU * (reversed(i, 2) + 1.0 / 24.0);
         let place = position + spacing.relative * stroke * libm::sin(angle);
         rig.with_numbers(&[
-            ("load.mass_kg", mass * (1.0 + spacing.relative * libm::cos(angle))),
-            ("test.position_m", place.clamp(0.0, stroke)),
+            (keys::load::MASS_KG.path, mass * (1.0 + spacing.relative * libm::cos(angle))),
+            (keys::test::POSITION_M.path, place.clamp(0.0, stroke)),
         ])
     };
     (0..count).map(member).collect()

@@ -63,18 +63,18 @@ fn rig_of(arguments: &Run) -> Result<Rig> {
 
 /// The keys of a test that are downloaded. The other keys of `[test]` are for the simulator.
 const OF_THE_TEST: [&str; 12] = [
-    "test.move",
-    "test.moves",
-    "test.targets",
-    "test.profile",
-    "test.velocity_mm_s",
-    "test.acceleration_mm_s2",
-    "test.jerk_mm_s3",
-    "test.duration_s",
-    "test.repeat_every_s",
-    "test.impulse",
-    "test.decimation",
-    "test.pre_trigger",
+    keys::test::MOVE.key.path,
+    keys::test::MOVES.key.path,
+    keys::test::TARGETS.key.path,
+    keys::test::PROFILE.key.path,
+    keys::test::VELOCITY_MM_S.key.path,
+    keys::test::ACCELERATION_MM_S2.key.path,
+    keys::test::JERK_MM_S3.key.path,
+    keys::test::DURATION_S.key.path,
+    keys::test::REPEAT_EVERY_S.key.path,
+    keys::test::IMPULSE.key.path,
+    keys::test::DECIMATION.key.path,
+    keys::test::PRE_TRIGGER.key.path,
 ];
 
 /// Keys that define the meaning of the moves: a rig with other values is refused.

@@ -1,27 +1,28 @@
 //! The answer behind a key of the rig file.
 
+use pneudrive_sim::keys;
 use pneudrive_sim::rig::Problem;
 
 use crate::question::{Answers, Refusal};
 
 /// How keys begin, and the questions that decide them.
 const BEHIND: &[(&str, &[&str])] = &[
-    ("actuator.stroke_m", &["stroke"]),
-    ("actuator.rod_diameter_m", &["rod", "cylinder"]),
+    (keys::actuator::STROKE_M.key.path, &["stroke"]),
+    (keys::actuator::ROD_DIAMETER_M.key.path, &["rod", "cylinder"]),
     ("actuator.", &["bore", "cylinder"]),
-    ("load.mass_kg", &["mass"]),
-    ("load.incline_deg", &["incline"]),
-    ("load.constant_force_n", &["force"]),
+    (keys::load::MASS_KG.key.path, &["mass"]),
+    (keys::load::INCLINE_DEG.key.path, &["incline"]),
+    (keys::load::CONSTANT_FORCE_N.key.path, &["force"]),
     ("load.coulomb", &["friction", "bore", "cylinder"]),
     ("load.static", &["breakaway", "friction", "bore", "cylinder"]),
     ("load.", &["bore", "cylinder"]),
-    ("valve.underlap_mm", &["overlap", "valve"]),
-    ("valve.critical_ratio", &["critical-ratio", "valve"]),
-    ("valve.flow_map", &["flow-map"]),
+    (keys::valve::UNDERLAP_MM.key.path, &["overlap", "valve"]),
+    (keys::iso6358::CRITICAL_RATIO.key.path, &["critical-ratio", "valve"]),
+    (keys::flow_map::FLOW_MAP.key.path, &["flow-map"]),
     ("valve.", &["conductance", "flow", "kv", "cv", "flow-map", "valve"]),
-    ("operator.hysteresis_percent", &["hysteresis", "valve"]),
+    (keys::hysteresis::HYSTERESIS_PERCENT.key.path, &["hysteresis", "valve"]),
     ("operator.", &["bandwidth", "valve"]),
-    ("tubing.length_m", &["tube-length"]),
+    (keys::tubing::LENGTH_M.key.path, &["tube-length"]),
     ("tubing.", &["tube-bore", "tube"]),
     ("supply.", &["supply"]),
     ("sensors.", &["supply"]),

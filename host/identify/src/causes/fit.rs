@@ -1,6 +1,7 @@
 //! An effect that a rig file lacks, fitted beside all parameters.
 
 use nalgebra::DVector;
+use pneudrive_sim::keys;
 
 use super::super::FAR;
 use super::super::approach::approach;
@@ -155,8 +156,12 @@ impl<'t, 'a> Fit<'t, 'a> {
 
     /// What friction tells of the size of an incline; transients do not show it.
     fn incline(&self) -> Option<Incline> {
-        let Change::Number { path: "load.incline_deg", .. } = self.effect().change else { return None };
-        level::fitted(&self.with, &self.found)
+        match self.effect().change {
+            Change::Number { path, .. } if path == keys::load::INCLINE_DEG.path => {
+                level::fitted(&self.with, &self.found)
+            }
+            _ => None,
+        }
     }
 
     pub fn explanation(&self, (tried, misfit): (usize, f64)) -> Explanation {

@@ -1,12 +1,18 @@
 //! Keys that a user fixes: no search changes them.
 
 use anyhow::{Result, bail};
+use pneudrive_sim::keys;
 use pneudrive_sim::rig::value_of_setting;
 
 use super::Task;
 
 /// The keys that the step sets itself.
-const OF_THE_STEP: [&str; 4] = ["test.moves", "test.targets", "test.duration_s", "test.position_m"];
+const OF_THE_STEP: [&str; 4] = [
+    keys::test::MOVES.key.path,
+    keys::test::TARGETS.key.path,
+    keys::test::DURATION_S.key.path,
+    keys::test::POSITION_M.key.path,
+];
 
 /// The keys that are held.
 #[must_use]

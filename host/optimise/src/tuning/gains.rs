@@ -32,7 +32,7 @@ const PROFILE: &str = keys::controller::GAIN_PROFILE.key.path;
 const SPAN: &str = keys::controller::PROFILE_SPAN_COUNTS.key.path;
 const PROPORTIONAL: &str = keys::controller::PROPORTIONAL_GAIN.key.path;
 
-const DITHER: [&str; 2] = ["operator.dither_mm", "operator.dither_hz"];
+const DITHER: [&str; 2] = [keys::dither::DITHER_MM.key.path, keys::dither::DITHER_HZ.key.path];
 
 /// Whether its amplifier can have a dither.
 fn is_dithered(rig: &Rig) -> bool {

@@ -91,20 +91,21 @@ fn of_operator(rig: &Rig) -> Vec<Suspect> {
     let model = rig.get(&keys::operator::MODEL);
     let solenoid = model == operator::Model::Solenoid;
     if solenoid && rig.get(&keys::solenoid::STATIC_FRICTION_N) > 0.0 {
-        let friction = ["operator.coulomb_friction_n", "operator.static_friction_n"];
+        let friction = [keys::solenoid::COULOMB_FRICTION_N.path, keys::solenoid::STATIC_FRICTION_N.path];
         all.push(suspect("no friction on the spool", friction.map(|key| set(key, 0.0)).to_vec()));
     }
     if solenoid && rig.get(&keys::hysteresis::HYSTERESIS_PERCENT) > 0.0 {
-        let hysteresis = set("operator.hysteresis_percent", 0.0);
+        let hysteresis = set(keys::hysteresis::HYSTERESIS_PERCENT.path, 0.0);
         all.push(suspect("no magnetic hysteresis in the operator", vec![hysteresis]));
     }
     if solenoid {
-        let [mass, damping] = [("operator.spool_mass_kg", 0.25), ("operator.damping_n_s_per_m", 0.5)]
-            .map(|(key, factor)| times(rig, key, factor));
+        let [mass, damping] =
+            [(keys::solenoid::SPOOL_MASS_KG.path, 0.25), (keys::solenoid::DAMPING_N_S_PER_M.path, 0.5)]
+                .map(|(key, factor)| times(rig, key, factor));
         all.push(suspect("an operator twice as fast", vec![mass, damping]));
     }
     if model == operator::Model::Stepper {
-        let length = times(rig, "operator.mm_per_step", 0.25);
+        let length = times(rig, keys::stepper::MM_PER_STEP.path, 0.25);
         let steps = format!("operator.max_steps={}", 4 * rig.get(&keys::stepper::MAX_STEPS));
         all.push(suspect("spool steps a quarter as long", vec![length, steps]));
     }
@@ -113,14 +114,14 @@ fn of_operator(rig: &Rig) -> Vec<Suspect> {
 
 fn of_valve(rig: &Rig) -> Vec<Suspect> {
     let overlaps = rig.get(&keys::valve::UNDERLAP_MM) > 0.0;
-    let without = || suspect("a valve without overlap", vec![set("valve.underlap_mm", 0.0)]);
+    let without = || suspect("a valve without overlap", vec![set(keys::valve::UNDERLAP_MM.path, 0.0)]);
     overlaps.then(without).into_iter().collect()
 }
 
 fn of_load(rig: &Rig) -> Vec<Suspect> {
     let no_stiction = vec![
-        set("load.static_extend_n", rig.get(&keys::friction::COULOMB_EXTEND_N)),
-        set("load.static_retract_n", rig.get(&keys::friction::COULOMB_RETRACT_N)),
+        set(keys::friction::STATIC_EXTEND_N.path, rig.get(&keys::friction::COULOMB_EXTEND_N)),
+        set(keys::friction::STATIC_RETRACT_N.path, rig.get(&keys::friction::COULOMB_RETRACT_N)),
     ];
     let no_friction = FRICTION[..4].iter().rev().map(|key| set(key, 0.0)).collect();
     vec![
@@ -140,7 +141,7 @@ fn of_sampling(rig: &Rig) -> Vec<Suspect> {
 fn finer_encoder(rig: &Rig) -> Option<Vec<String>> {
     let bits = encoder::bits(rig) + 2;
     let wider = (bits <= encoder::MAX_BITS).then(|| format!("encoder.bits={bits}"));
-    let shorter = times(rig, "encoder.mm_per_count", 0.25);
+    let shorter = times(rig, keys::encoder::MM_PER_COUNT.path, 0.25);
     match rig.get(&keys::encoder::MODEL) {
         encoder::EncoderKind::Quadrature => Some(vec![shorter]),
         encoder::EncoderKind::Potentiometer => Some(vec![wider?]),

@@ -3,6 +3,7 @@
 //! Gains are tuned on some draws from the stated spread, and judged on others that no search has seen.
 
 use pneudrive_sim::Rig;
+use pneudrive_sim::keys;
 use pneudrive_sim::rig::unit_interval;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -35,12 +36,16 @@ pub struct Variant {
 
 /// The keys of the load's friction.
 pub(super) const FRICTION: [&str; 5] = [
-    "load.static_extend_n",
-    "load.coulomb_extend_n",
-    "load.static_retract_n",
-    "load.coulomb_retract_n",
-    "load.viscous_n_s_per_m",
+    keys::friction::STATIC_EXTEND_N.key.path,
+    keys::friction::COULOMB_EXTEND_N.key.path,
+    keys::friction::STATIC_RETRACT_N.key.path,
+    keys::friction::COULOMB_RETRACT_N.key.path,
+    keys::load::VISCOUS_N_S_PER_M.key.path,
 ];
+
+/// The keys of the load, and of the supply.
+const LOAD: [&str; 1] = [keys::load::MASS_KG.key.path];
+const SUPPLY: [&str; 1] = [keys::supply::PRESSURE_PA.key.path];
 
 /// Of the random numbers: those that gains are tuned on, and those that they are judged on.
 const TUNED_ON: u64 = 0;
@@ -50,8 +55,8 @@ impl Relative {
     /// The keys that it draws.
     pub fn keys(&self) -> impl Iterator<Item = &'static str> {
         let drawn = |by: f64, keys: &'static [&'static str]| if by > 0.0 { keys } else { &[] };
-        let load = drawn(self.load, &["load.mass_kg"]);
-        let supply = drawn(self.supply, &["supply.pressure_pa"]);
+        let load = drawn(self.load, &LOAD);
+        let supply = drawn(self.supply, &SUPPLY);
         load.iter().chain(drawn(self.friction, &FRICTION)).chain(supply).copied()
     }
 }
@@ -63,9 +68,9 @@ impl Variant {
     /// Its settings for a rig, as `key=value`; without the step.
     #[must_use]
     pub fn settings(&self, rig: &Rig) -> Vec<String> {
-        let factors = [("load.mass_kg", self.load), ("supply.pressure_pa", self.supply)];
+        let [load, supply] = [LOAD.map(|key| (key, self.load)), SUPPLY.map(|key| (key, self.supply))];
         let friction = FRICTION.map(|key| (key, self.friction));
-        let scaled = factors.into_iter().chain(friction).filter(|(_, factor)| *factor != 1.0);
+        let scaled = load.into_iter().chain(supply).chain(friction).filter(|(_, factor)| *factor != 1.0);
         scaled
             .map(|(key, factor)| format!("{key}={:?}", factor * rig.number_at(key).unwrap_or(0.0)))
             .collect()

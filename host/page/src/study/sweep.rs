@@ -170,7 +170,7 @@ fn refuse_long(sweep: &Sweep) -> Result<(), Refusal> {
             None => sweep.rig.number_at(key).into_iter().collect(),
         }
     };
-    let longest_s = levels("test.duration_s", f64::INFINITY).into_iter().fold(0.0, f64::max);
+    let longest_s = levels(keys::test::DURATION_S.path, f64::INFINITY).into_iter().fold(0.0, f64::max);
     let shortest_s = levels(keys::controller::PERIOD_S.path, 0.0).into_iter().fold(f64::INFINITY, f64::min);
     let samples = (longest_s / shortest_s).floor();
     if samples > f64::from(MAX_SAMPLES) {

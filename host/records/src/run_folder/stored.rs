@@ -22,7 +22,7 @@ use crate::window::{WHOLE_WINDOW, whole_window};
 use crate::{rig_text, text_file};
 
 /// The key of the encoder's scale, and the requirement on its value.
-const SCALE: &str = "encoder.mm_per_count";
+const SCALE: &str = keys::encoder::MM_PER_COUNT.key.path;
 const MORE_THAN_0: &str = "it must be a number above 0";
 
 /// A stored run: its description and the columns of its trace.
@@ -246,7 +246,7 @@ fn check_rows(folder: &Path, description: &serde_json::Value, rows: usize) -> Re
 /// mm per count: the key or, for a potentiometer, which has none, the value from its range and converter.
 fn scale_of(json_path: &Path, description: &serde_json::Value) -> Result<f64> {
     let above_0 = |mm: f64| (mm > 0.0).then_some(mm);
-    if description["keys"]["encoder.model"] != EncoderKind::Potentiometer.word() {
+    if description["keys"][keys::encoder::MODEL.path] != EncoderKind::Potentiometer.word() {
         return of_key(json_path, description, SCALE, above_0, MORE_THAN_0);
     }
     let value = &description["mm_per_count"];

@@ -88,7 +88,7 @@ pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
 /// The remaining error of the rig's test when its null has drifted for this many hours.
 fn after(rig: &Rig, rate: f64, hour: f64) -> Result<[ErrorAtRest; 2], Unfit> {
     let null = rig.get(&keys::valve::NULL_OFFSET_MM) + rate * hour;
-    let Ok(rig) = rig.with_numbers(&[("valve.null_offset_mm", null)]) else {
+    let Ok(rig) = rig.with_numbers(&[(keys::valve::NULL_OFFSET_MM.path, null)]) else {
         return Err(Unfit::NoPart("its null drifts out of the range of valve.null_offset_mm within a shift"));
     };
     let mut at_rest = from(&rig, STARTS[0])?;
@@ -104,7 +104,7 @@ fn after(rig: &Rig, rate: f64, hour: f64) -> Result<[ErrorAtRest; 2], Unfit> {
 fn from(rig: &Rig, of_stroke: f64) -> Result<[ErrorAtRest; 2], Unfit> {
     let stroke = rig.get(&keys::actuator::STROKE_M);
     let start = (rig.get(&keys::test::POSITION_M) + of_stroke * stroke).clamp(0.0, stroke);
-    let rig = rig.with_numbers(&[("test.position_m", start)]).expect("a place on the stroke");
+    let rig = rig.with_numbers(&[(keys::test::POSITION_M.path, start)]).expect("a place on the stroke");
     let run = run(&rig, Accuracy::of(&rig))?;
     Ok(WAYS.map(|(_, way)| at_rest(&rig, &run, way)))
 }

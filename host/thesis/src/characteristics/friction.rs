@@ -196,9 +196,9 @@ fn rise(rig: &Rig, way: Way) -> Result<Rise, Unfit> {
     let range = rig.get(&keys::supply::PRESSURE_PA) - rig.get(&keys::exhaust::PRESSURE_PA);
     let stroke = rig.get(&keys::actuator::STROKE_M);
     let start = [
-        ("test.position_m", push.position),
-        ("test.pressure_1_pa", push.pressures[0]),
-        ("test.pressure_2_pa", push.pressures[1]),
+        (keys::test::POSITION_M.path, push.position),
+        (keys::test::PRESSURE_1_PA.path, push.pressures[0]),
+        (keys::test::PRESSURE_2_PA.path, push.pressures[1]),
     ];
     let rig = rig.with_numbers(&start).expect("pressures between surroundings and supply, within the stroke");
     let mut plant = Plant::new(&rig, Accuracy::default(), 0).with_timing((1e6 * PERIOD_S) as u64, 1);

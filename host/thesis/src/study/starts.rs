@@ -16,7 +16,7 @@ use pneudrive_optimise::ensemble::reversed;
 use pneudrive_sim::Rig;
 use pneudrive_sim::component::encoder::mm_per_count;
 use pneudrive_sim::keys;
-use pneudrive_sim::rig::{Value, builtin};
+use pneudrive_sim::rig::builtin;
 
 use super::Variant;
 
@@ -48,14 +48,16 @@ fn moved(rig: &Rig, start: usize) -> Vec<String> {
     let counts = (MAX_OFFSET_MM * (2.0 * reversed(start, 2) - 1.0) / pulse_mm).round();
     let position_m = rig.get(&keys::test::POSITION_M) + 1e-3 * pulse_mm * counts;
     let phase_deg = (rig.get(&keys::dither::DITHER_PHASE_DEG) + 360.0 * reversed(start, 3)) % 360.0;
-    let mut settings =
-        vec![format!("test.position_m={position_m:?}"), format!("operator.dither_phase_deg={phase_deg:?}")];
-    if let Some(Value::Moves(moves)) = rig.value("test.moves") {
-        let moves: Vec<String> =
-            moves.iter().map(|(time, target)| format!("[{time:?}, {}]", target + counts as i64)).collect();
-        settings.push(format!("test.moves=[{}]", moves.join(", ")));
-    }
-    settings
+    let moves: Vec<String> = rig
+        .get(&keys::test::MOVES)
+        .iter()
+        .map(|(time, target)| format!("[{time:?}, {}]", target + counts as i64))
+        .collect();
+    vec![
+        format!("{}={position_m:?}", keys::test::POSITION_M.path),
+        format!("{}={phase_deg:?}", keys::dither::DITHER_PHASE_DEG.path),
+        format!("{}=[{}]", keys::test::MOVES.path, moves.join(", ")),
+    ]
 }
 
 #[cfg(test)]
@@ -69,9 +71,8 @@ mod tests {
     fn the_first_start_is_the_rig_as_it_is_and_the_others_move_the_test_as_a_whole() {
         let own = at_start(&DRIVE, 0).expect("a rig");
         assert_eq!(own, Rig::builtin("servo-b-thesis").expect("built in"));
-        let targets = |rig: &Rig| match rig.value("test.moves") {
-            Some(Value::Moves(moves)) => moves.iter().map(|(_, target)| *target).collect::<Vec<_>>(),
-            other => panic!("{other:?}"),
+        let targets = |rig: &Rig| -> Vec<i64> {
+            rig.get(&keys::test::MOVES).iter().map(|(_, target)| *target).collect()
         };
         for start in 1..16 {
             let rig = at_start(&DRIVE, start).expect("a rig");
