@@ -16,7 +16,7 @@ use anyhow::{Context, Result, bail};
 use pneudrive_design::six_drives::{SIX_DRIVES, rig_file_of};
 use pneudrive_evaluate::wanted::Wanted;
 use pneudrive_optimise::positioning::draw::TOLERANCE;
-use pneudrive_optimise::positioning::{Plan, Spread, StepScore, bound, sine, steps, usual_step_mm};
+use pneudrive_optimise::positioning::{Plan, Spread, bound, sine, steps, usual_step_mm};
 use pneudrive_optimise::tuning::search::Budget;
 use pneudrive_optimise::tuning::{Goal, Task, tune};
 use pneudrive_sim::rig::builtin;
@@ -170,49 +170,42 @@ fn bounds(rig: &Rig, step_mm: f64) -> Result<String> {
     Ok(format!("{}, {}", ms(true)?, ms(false)?))
 }
 
-fn step_row(drive: &str, law: &str, step_mm: f64, when: &str, score: &StepScore, bounds: &str) {
-    println!("| {drive} | {law} | {step_mm} | {when} | {score} | {bounds} |");
-    for why in &score.failed {
-        eprintln!("{drive}, {law}, {when}: {why}");
-    }
+/// The largest errors along the sines, mm: the median of the draws, and the worst.
+fn sine_cells(rig: &Rig, asked: &Asked, step_mm: f64) -> Result<String> {
+    let cell = |hz: &f64| match asked.sines {
+        true => Ok(sine(rig, &asked.plan, step_mm, *hz)?.to_string()),
+        false => Ok(String::new()),
+    };
+    Ok(SINES.iter().map(cell).collect::<Result<Vec<_>>>()?.join(" | "))
 }
 
 fn main() -> Result<()> {
     let asked = Asked::read()?;
     println!(
-        "| drive | law | step, mm | | of {} within 1 / 0.2 / 0.05 mm | 95 % interval, % | median time, s | largest overshoot, mm | limit cycle, not decidable, still moves, failed | converged | bang-bang extending, retracting, ms |",
+        "| drive | law | step, mm | | of {} within 1 / 0.2 / 0.05 mm | 95 % interval, % | median time, s | largest overshoot, mm | limit cycle, not decidable, still moves, failed | converged | bang-bang extending, retracting, ms | sine 0.5 Hz, mm | 1 Hz | 2 Hz |",
         asked.plan.draws
     );
-    println!("|---|---|---|---|---|---|---|---|---|---|---|");
-    let mut sines = Vec::new();
-    for drive in &asked.rigs {
-        let text = text_of(drive)?;
-        let usual_mm = usual_step_mm(&Rig::read_with(drive, &text, &asked.settings)?);
-        let mut measured =
-            Drive { name: drive, text, settings: &asked.settings, step_mm: usual_mm, found: BTreeMap::new() };
+    println!("|---|---|---|---|---|---|---|---|---|---|---|---|---|---|");
+    for name in &asked.rigs {
+        let text = text_of(name)?;
+        let usual_mm = usual_step_mm(&Rig::read_with(name, &text, &asked.settings)?);
         let steps_mm = if asked.steps_mm.is_empty() { vec![usual_mm] } else { asked.steps_mm.clone() };
-        for law in asked.laws.iter().map(|place| LAWS.get(*place).context("there is no such law")) {
-            let law = law?;
-            let rig = measured.under(law)?;
+        let mut drive =
+            Drive { name, text, settings: &asked.settings, step_mm: usual_mm, found: BTreeMap::new() };
+        for place in &asked.laws {
+            let law = LAWS.get(*place).context("there is no such law")?;
+            let rig = drive.under(law)?;
+            let sines = sine_cells(&rig, &asked, usual_mm)?;
             for &step_mm in &steps_mm {
                 let bounds = bounds(&rig, step_mm)?;
                 for (when, score) in
                     ["cold", "after two moves"].iter().zip(steps(&rig, &asked.plan, step_mm)?)
                 {
-                    step_row(drive, law.name, step_mm, when, &score, &bounds);
+                    println!("| {name} | {} | {step_mm} | {when} | {score} | {bounds} | {sines} |", law.name);
+                    score.failed.iter().for_each(|why| eprintln!("{name}, {}, {when}: {why}", law.name));
                 }
             }
-            if asked.sines {
-                let scores = SINES.map(|hz| sine(&rig, &asked.plan, usual_mm, hz));
-                let cells: Vec<String> =
-                    scores.into_iter().map(|score| Ok(score?.to_string())).collect::<Result<_>>()?;
-                sines.push(format!("| {drive} | {} | {usual_mm} | {} |", law.name, cells.join(" | ")));
-            }
         }
-    }
-    if asked.sines {
-        println!("\n| drive | law | sine, mm | 0.5 Hz | 1 Hz | 2 Hz |\n|---|---|---|---|---|---|");
-        sines.iter().for_each(|row| println!("{row}"));
     }
     Ok(())
 }

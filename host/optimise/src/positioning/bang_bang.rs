@@ -4,19 +4,20 @@
 //! u(t) = U until t_s, -U from then on;   v(t_e) = 0, the first time after the piston moves;   t_s so that x(t_e) = target
 //! ```
 //!
-//! with U the largest command in the direction of the step. The command switches at a sample. So the twin is run in open loop with the
-//! switch at whole samples k T, found by doubling and bisection, until two neighbours end short of the target and beyond it,
+//! with U the largest command in the direction of the step. The command switches at a sample. So the twin is run in open loop
+//! with the switch at whole samples k T, found by doubling and bisection, until two neighbours end short of the target and
+//! beyond it:
 //!
 //! ```text
 //! x_k <= target < x_(k+1),   t_e = t_k + (t_(k+1) - t_k) (target - x_k)/(x_(k+1) - x_k)
 //! ```
 //!
-//! The interpolation leaves an error of T^2. A drive of constant force F on a mass M, whose t_e = 2 sqrt(M D/F) over a way D, is met
-//! with it to within T^2/(2 t_e).
+//! The interpolation leaves an error of order T^2. For a constant force F on a mass M, where t_e = 2 sqrt(M D/F) over a way D,
+//! it is T^2/(2 t_e) at most.
 //!
-//! The bound is that of the nominal rig from rest at its initial pressures, with its valve's lag and delay, without dither. At its end
-//! the piston stands for an instant with unlike pressures; a law must balance them, too. So no law can be faster with one switch, and
-//! a law near it is a fast one.
+//! The bound is that of the nominal rig from rest at its initial pressures, with the lag and delay of its valve, without dither.
+//! Commands with more switches are not tried. At the end the piston stands for an instant between unlike pressures, which a law
+//! has to balance as well.
 
 use anyhow::{Result, bail};
 use pneudrive_sim::component::controller::Loop;

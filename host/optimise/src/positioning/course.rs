@@ -1,7 +1,8 @@
 //! Steps and sines as the test of a rig, and what a run of them shows.
 //!
-//! A drive holds for [`HOLD_S`]. Then it makes three moves of [`MOVE_S`] each: there, back and there again, so that one run shows the
-//! step of a drive that has not moved before and that after two moves. A sine swings about the middle of the stroke, four times.
+//! A drive holds for 0.2 s. Then it makes three moves of [`MOVE_S`] each: there, back and there again, so that one run shows
+//! the step of a drive that has not moved before and that after two moves. A sine swings about the middle of the stroke, four
+//! times.
 
 use anyhow::{Result, bail};
 use pneudrive_evaluate::evaluation::{Motion, moves};
@@ -95,20 +96,20 @@ impl Steps {
     /// When the run does not show the moves.
     pub(super) fn arrivals(&self, rig: &Rig, run: &Run) -> Result<[Arrival; MOVES], String> {
         let transient = Transient::of_simulation("", rig, run);
-        let found = moves(&transient, &Motion::of(&transient), None, BANDS_MM[BANDS_MM.len() - 1]);
-        let Some([_, found @ ..]) = <&[_; MOVES + 1]>::try_from(&found[..]).ok().map(|all| &all[..]) else {
+        let tightest = BANDS_MM[BANDS_MM.len() - 1];
+        let found = moves(&transient, &Motion::of(&transient), None, tightest);
+        // The first one is the hold.
+        let Some((_, seen)) = found.split_first().filter(|(_, seen)| seen.len() == MOVES) else {
             return Err(format!("it shows {} moves instead of {}", found.len(), MOVES + 1));
         };
         let (time, position) = (&transient.time, &transient.channels[POSITION]);
-        let arrivals = found.iter().enumerate().map(|(n, one)| {
-            let until = found.get(n + 1).map_or(f64::INFINITY, |next| next.start_s);
-            let samples = time.partition_point(|t| *t < one.start_s)..time.partition_point(|t| *t < until);
-            let (from, to) = if n % 2 == 0 { (self.from, self.to) } else { (self.to, self.from) };
-            let [from, to] = [from, to].map(|counts| at_count(rig, counts));
-            Arrival::of(&time[samples.clone()], &position[samples], [from, to], one.limit_cycle)
-        });
-        let arrivals: Vec<Arrival> = arrivals.collect();
-        arrivals.try_into().map_err(|_| "it does not show all moves".to_owned())
+        let ends = [self.from, self.to].map(|counts| at_count(rig, counts));
+        Ok(std::array::from_fn(|n| {
+            let begin = time.partition_point(|t| *t < seen[n].start_s);
+            let end = seen.get(n + 1).map_or(time.len(), |next| time.partition_point(|t| *t < next.start_s));
+            let [from, to] = if n % 2 == 0 { ends } else { [ends[1], ends[0]] };
+            Arrival::of(&time[begin..end], &position[begin..end], [from, to], seen[n].limit_cycle)
+        }))
     }
 }
 

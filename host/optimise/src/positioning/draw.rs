@@ -5,8 +5,8 @@
 //! | mass, all friction | +-30 %, evenly |
 //! | supply pressure | +-5 %, evenly |
 //! | place and direction of a step | evenly along the stroke, either way |
-//! | over the whole range: each value that the rig file gives as unknown, or as computed within a range | evenly in its logarithm, or in itself where the range begins at 0 |
 //! | with bristles | the LuGre model instead of dry friction |
+//! | over the whole range | each value that the rig file gives as unknown, or as computed within a range: evenly in its logarithm, or in itself where the range begins at 0 |
 //!
 //! Three kinds of values hang together. The running friction is drawn once, and that of each direction within 10 % of it; the
 //! break-away friction is 1.25 to 3.3 times the running one, as `rig new` assumes. Its damping ratio stays with the stiffness of a
