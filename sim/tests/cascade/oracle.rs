@@ -209,6 +209,12 @@ pub struct Oracle {
     way: Way,
     phase: Phase,
     short: u32,
+    rested: u32,
+    turns: u32,
+    turned: f64,
+    side: f64,
+    elastic: bool,
+    lost: u32,
     stood: f64,
     pub wanted: f64,
     s: f64,
@@ -247,6 +253,12 @@ impl Oracle {
             way: Way { length: 1.0, ..Way::default() },
             phase: Phase::Rest { held: 0.0, at: 0.0 },
             short: 0,
+            rested: 0,
+            turns: 0,
+            turned: 0.0,
+            side: 0.0,
+            elastic: false,
+            lost: 0,
             stood: 0.0,
             wanted: 0.0,
             s: 0.0,
@@ -407,13 +419,14 @@ impl Oracle {
         let most = 2.0 * distance / (length * length);
         self.way = Way::to(target, Point { a: from.a.clamp(-most, most), ..from }, length);
         (self.phase, self.short) = (Phase::Move, 0);
+        (self.turns, self.turned) = (0, sign_of(self.v));
     }
 
     fn plan(&mut self, target: i32, position: f64, force: f64) {
         let goal = f64::from(target) + 0.5;
         let error = goal - position;
         if target != self.target {
-            self.target = target;
+            (self.target, self.lost) = (target, 0);
             if self.stuck && error.abs() < self.c.counts(40e-6) {
                 self.rest(position, force);
             } else {
@@ -425,26 +438,45 @@ impl Oracle {
             Phase::Move => {
                 self.way.k += 1.0;
                 let over = self.way.k - self.way.length;
+                if over >= 0.0 && self.v.abs() > self.c.speed(3e-3) && sign_of(self.v) != self.turned {
+                    (self.turns, self.turned) = (self.turns + 1, sign_of(self.v));
+                    self.elastic |= self.turns > 3;
+                }
+                let (slow, near, wait) = if self.elastic { (8e-3, 0.3e-3, 0.0) } else { (5e-3, 40e-6, 6e-3) };
                 let still = f64::from(self.still) >= self.c.samples(6e-3).max(4.0);
-                let creeps = over > self.c.samples(6e-3)
-                    && self.v.abs() < self.c.speed(5e-3)
-                    && error.abs() < self.c.counts(40e-6);
-                if still && over >= 0.0 || creeps {
+                let creeps = over > self.c.samples(wait)
+                    && self.v.abs() < self.c.speed(slow)
+                    && error.abs() < self.c.counts(near);
+                if still && over >= 0.0 || creeps || over >= 0.0 && self.turns > 8 {
                     self.rest(position, force);
                 } else if f64::from(self.short) > self.c.samples(8e-3) && self.v.abs() > self.c.speed(0.02) {
                     self.set_off(goal, force);
                 }
             }
-            Phase::Rest { .. } if self.still == 0 && (position - self.stood).abs() > self.c.counts(60e-6) => {
+            Phase::Rest { .. }
+                if !self.elastic
+                    && self.still == 0
+                    && (position - self.stood).abs() > self.c.counts(60e-6) =>
+            {
                 self.stuck = false;
                 self.set_off(goal, force);
             }
+            Phase::Rest { .. } if self.elastic && error.abs() > self.c.counts(0.9e-3) => {
+                self.lost += 1;
+                (self.elastic, self.stuck) = (self.lost < 3, false);
+                self.set_off(goal, force);
+            }
             Phase::Rest { held, at } => {
-                self.stuck = true;
-                let some = 0.35 * self.friction() * self.c.stiction;
+                self.rested += 1;
+                self.stuck = !self.elastic || f64::from(self.still) > self.c.samples(10e-3);
+                let crept = (position - self.stood).abs() > self.c.counts(15e-6) + 1.0;
+                self.elastic |= crept && f64::from(self.rested) > self.c.samples(0.02);
+                let some = if self.elastic { 3.0 } else { 0.35 } * self.friction() * self.c.stiction;
                 let rate = if error.abs() > self.c.counts(20e-6) {
                     // 1e6 N/(m s) of 8 kg: 1.25e5 1/s^3 of the mass.
                     1.25e5 * self.c.period.powi(3) / self.c.acceleration * error
+                } else if self.elastic {
+                    0.0
                 } else {
                     (self.standing() - held) / self.c.samples(0.05)
                 };
@@ -454,7 +486,7 @@ impl Oracle {
     }
 
     fn rest(&mut self, position: f64, force: f64) {
-        (self.stuck, self.stood) = (true, position);
+        (self.stuck, self.stood, self.rested) = (true, position, 0);
         self.phase = Phase::Rest { held: force, at: force };
     }
 
@@ -465,16 +497,24 @@ impl Oracle {
             Phase::Move => {
                 let now = self.way.at(self.way.k);
                 let soon = self.way.at(self.way.k + c.tau);
+                if soon.v != 0.0 {
+                    self.side = sign_of(soon.v);
+                }
+                let sign = if self.elastic { self.side } else { sign_of(soon.v) };
                 let wp = c.position_pole;
                 let mass = self.mass() / c.acceleration;
                 let back = 2.0 * wp * (now.v - self.v) + wp * wp * (now.x - self.x);
-                let wanted =
-                    mass * (now.a + back) + self.viscous() * now.v + self.slide(sign_of(soon.v)) + self.d;
+                let wanted = mass * (now.a + back) + self.viscous() * now.v + self.slide(sign) + self.d;
                 self.wanted = wanted.clamp(-most, most);
                 mass * soon.j
                     + self.viscous() * soon.a
                     + c.force_pole * (self.wanted - force)
                     + self.air.stiffness * (self.v + soon.v - now.v)
+            }
+            Phase::Rest { held, .. } if self.elastic => {
+                let inertia = self.mass() / c.acceleration;
+                self.wanted = held - inertia * 65.0 * c.period * self.v;
+                0.7 * c.force_pole * (self.wanted - force) + self.air.stiffness * self.v
             }
             Phase::Rest { held, .. } => {
                 self.wanted = held;

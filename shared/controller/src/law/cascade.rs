@@ -22,6 +22,10 @@
 //! profile is followed as it comes. A load that stands at the end of its way, or creeps within 40 um of its target, rests: its
 //! force stays within 0.35 of the stiction of where it came to rest, goes to the middle of that band, or beyond 20 um at 125 m/s^3
 //! of the mass for each mm. So a load at rest is held by its friction, and there is no limit cycle.
+//!
+//! Friction that gives way like a spring would be shaken for ever. A load that turns four times after the end of its way, or creeps at
+//! rest, has such bristles: from then on its friction keeps its sign at the end of a way, it rests as soon as it is slow, and its rest
+//! is damped by 65/s of the mass. After eight turns it rests wherever it is. What gets away from there three times by 0.9 mm is dry after all.
 
 pub mod air;
 pub mod flow;
@@ -43,6 +47,9 @@ use motion::Motion;
 use number::{product, ratio, within};
 use valve::Valve;
 use way::{Limits, Way};
+
+/// A load that turns more often than this after the end of its way is let rest where it is.
+const MOST_TURNS: u32 = 8;
 
 /// What it knows of its drive.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -73,6 +80,15 @@ struct Rest {
     near: u32,
     close: u32,
     slipped: u32,
+    /// On bristles: 3 and 8 mm/s, Q16; 0.3 and 0.9 mm and 15 um, counts; 10 and 20 ms, samples; 65/s, Q16 a sample.
+    turning: i32,
+    creeping: i32,
+    at_target: u32,
+    away: u32,
+    crept: u32,
+    asleep: u32,
+    settled: u32,
+    damper: i32,
     /// Force a sample (Q24) for a count of error, Q8; for a force off the middle of the band, Q30.
     pull: i32,
     ease: i32,
@@ -108,8 +124,16 @@ pub struct Cascade {
     way: Way,
     reference: Point,
     wanted: i32,
-    /// Samples for which the valve has been short.
+    /// Samples for which the valve has been short, and for which the load has rested.
     short: u32,
+    rested: u32,
+    /// Turns after the end of a way, and the sign of the last; the sign of the way.
+    turns: u32,
+    turned: i32,
+    side: i32,
+    /// Whether friction gives way like a spring, and how often a load got away from there.
+    elastic: bool,
+    lost: u32,
     motion: Motion,
     flow: Flow,
     load: Load,
@@ -128,6 +152,12 @@ impl Default for Cascade {
             reference: Point::default(),
             wanted: 0,
             short: 0,
+            rested: 0,
+            turns: 0,
+            turned: 0,
+            side: 0,
+            elastic: false,
+            lost: 0,
             motion: Motion::default(),
             flow: Flow::default(),
             load: Load::default(),
@@ -194,6 +224,14 @@ impl Rest {
             near: counts(40),
             close: counts(20),
             slipped: counts(60),
+            turning: product(speed, 197, 16),
+            creeping: product(speed, 524, 16),
+            at_target: counts(300),
+            away: counts(900),
+            crept: counts(15).saturating_add(1),
+            asleep: samples(10_000, period_us),
+            settled: samples(20_000, period_us),
+            damper: most(quotient(4260 * period, 1000)),
             // 1.25e5/s^3 T^3/A in Q32.
             pull: most(ratio(35 * period * period * period, acceleration)),
             ease: most(ratio(period << 30, 50_000)),
@@ -259,6 +297,9 @@ impl Cascade {
     fn plan(&mut self, settings: &Settings, count: i32, reference: &Reference, force: i32) {
         let target = count.saturating_add(reference.error);
         let new = core::mem::replace(&mut self.target, target) != target;
+        if new {
+            self.lost = 0;
+        }
         if reference.point.is_some() {
             self.phase = Phase::Profile;
             return;
@@ -272,6 +313,7 @@ impl Cascade {
             _ if new => self.set_off(settings, force),
             Phase::Way => {
                 self.way.advance();
+                self.count_turns(&settings.rest);
                 if self.has_come(&settings.rest, error) {
                     self.rest(count, force);
                 } else if self.short > settings.late && self.motion.v.saturating_abs() > settings.under_way {
@@ -279,29 +321,53 @@ impl Cascade {
                 }
             }
             Phase::Rest { .. }
-                if self.motion.still == 0 && count.abs_diff(self.stood) > settings.rest.slipped =>
+                if !self.elastic
+                    && self.motion.still == 0
+                    && count.abs_diff(self.stood) > settings.rest.slipped =>
             {
                 self.motion.stuck = false;
                 self.set_off(settings, force);
             }
+            Phase::Rest { .. } if self.elastic && error > settings.rest.away => {
+                self.lost = self.lost.saturating_add(1);
+                (self.elastic, self.motion.stuck) = (self.lost < 3, false);
+                self.set_off(settings, force);
+            }
             Phase::Rest { held, at } => {
-                self.motion.stuck = true;
+                self.rested = self.rested.saturating_add(1);
+                self.motion.stuck = !self.elastic || self.motion.still > settings.rest.asleep;
+                // Dry friction does not creep.
+                let crept = count.abs_diff(self.stood) > settings.rest.crept;
+                self.elastic |= crept && self.rested > settings.rest.settled;
                 let held = self.eased(settings, reference.error, held, at);
                 self.phase = Phase::Rest { held, at };
             }
         }
     }
 
+    /// Turns after the end of a way are those of a load on a spring.
+    fn count_turns(&mut self, rest: &Rest) {
+        let sign = self.motion.v.signum();
+        if self.way.over().is_some() && self.motion.v.saturating_abs() > rest.turning && sign != self.turned {
+            (self.turns, self.turned) = (self.turns.saturating_add(1), sign);
+            self.elastic |= self.turns > 3;
+        }
+    }
+
     /// Whether a load at the end of its way stands, or creeps where it shall be.
     fn has_come(&self, rest: &Rest, error: u32) -> bool {
+        let (slow, near, wait) = match self.elastic {
+            true => (rest.creeping, rest.at_target, 0),
+            false => (rest.slow, rest.near, rest.still),
+        };
         self.way.over().is_some_and(|over| {
-            let creeps = over > rest.still && self.motion.v.saturating_abs() < rest.slow && error < rest.near;
-            self.motion.still >= rest.still || creeps
+            let creeps = over > wait && self.motion.v.saturating_abs() < slow && error < near;
+            self.motion.still >= rest.still || creeps || self.turns > MOST_TURNS
         })
     }
 
     fn rest(&mut self, count: i32, force: i32) {
-        (self.motion.stuck, self.stood) = (true, count);
+        (self.motion.stuck, self.stood, self.rested) = (true, count, 0);
         self.phase = Phase::Rest { held: force, at: force };
     }
 
@@ -313,14 +379,18 @@ impl Cascade {
         let middle = (self.motion.x >> 17).wrapping_add(target >> 17) as i32;
         self.way = Way::to(target, from, &settings.limits(middle));
         (self.phase, self.short) = (Phase::Way, 0);
+        (self.turns, self.turned) = (0, self.motion.v.signum());
     }
 
     /// The force that holds a load at rest, a sample later.
     fn eased(&self, settings: &Settings, error: i32, held: i32, at: i32) -> i32 {
         let rest = &settings.rest;
-        let band = product(product(settings.load.stiction, self.load.friction, 16), 22_938, 16);
+        let share = if self.elastic { 3 << 16 } else { 22_938 };
+        let band = product(product(settings.load.stiction, self.load.friction, 16), share, 16);
         let change = if error.unsigned_abs() > rest.close {
             product(rest.pull, within(error, 1 << 15), 8)
+        } else if self.elastic {
+            0
         } else {
             product(self.load.standing.saturating_sub(held), rest.ease, 30)
         };
@@ -331,6 +401,12 @@ impl Cascade {
     fn rate(&mut self, settings: &Settings, reference: &Reference, force: i32) -> (i32, i32) {
         let loops = &settings.force;
         let (rate, least) = match self.phase {
+            Phase::Rest { held, .. } if self.elastic => {
+                let slowed = product(self.motion.v, settings.rest.damper, 16);
+                self.wanted = held.saturating_sub(product(self.load.inertia(&settings.load), slowed, 16));
+                let spring = product(self.air.stiffness, self.motion.v, 22);
+                (loops.damping(self.wanted, force).saturating_add(spring), settings.rest.least)
+            }
             Phase::Rest { held, .. } => {
                 self.wanted = held;
                 (loops.holding(held, force), settings.rest.least)
@@ -344,7 +420,11 @@ impl Cascade {
                 let seen = force::Seen { load, of_load, motion: &self.motion, air: &self.air, force };
                 // A profile that turns leaves a stuck load behind: it is pushed to where it breaks away.
                 let breaks_away = self.phase == Phase::Profile && self.motion.stuck;
-                self.wanted = loops.wanted(&seen, &now, soon.v.signum(), breaks_away);
+                if soon.v != 0 {
+                    self.side = soon.v.signum();
+                }
+                let sign = if self.elastic { self.side } else { soon.v.signum() };
+                self.wanted = loops.wanted(&seen, &now, sign, breaks_away);
                 self.reference = now;
                 (loops.rate(&seen, &now, &soon, self.wanted), 0)
             }

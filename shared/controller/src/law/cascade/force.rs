@@ -3,7 +3,7 @@
 //! ```text
 //! wanted      Fw = M/A (a_r + 2 p e' + p^2 e) + B v_r + Fc sgn(v_s) + d        within 0.8 (1 - Pe) of the smaller area
 //! rate        g  = M/A j_s + B a_s + f (Fw - F) + K (v + v_s - v_r) - g_unknown
-//! at rest     g  = 0.2 f (Fh - F) - g_unknown
+//! at rest     g  = 0.2 f (Fh - F) - g_unknown          on bristles  g = 0.7 f (Fh - D v - F) + K v - g_unknown
 //! ```
 //!
 //! r: the reference now; s: the reference a dead time later, when the valve will have answered. M, B, Fc, K: [`super::load`] and
@@ -76,6 +76,11 @@ impl Constants {
             .saturating_add(load.drag(soon.a))
             .saturating_add(product(wanted.saturating_sub(*force), self.force_pole, 16))
             .saturating_add(product(air.stiffness, speed, 22))
+    }
+
+    /// g at rest on bristles, without K v and what is unknown.
+    pub(super) fn damping(&self, wanted: i32, force: i32) -> i32 {
+        product(wanted.saturating_sub(force), product(self.force_pole, 45_875, 16), 16)
     }
 
     /// g at rest, without what is unknown.
