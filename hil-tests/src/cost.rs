@@ -18,6 +18,9 @@ pub const MAX_INSTRUCTIONS: u64 = 480;
 /// The same of the first sample of a run.
 pub const MAX_INSTRUCTIONS_OF_FIRST: u64 = 490;
 
+/// What both may take under the law cascade, in the mean of a run and at most.
+pub const BUDGET_OF_CASCADE: (f64, u64) = (2500.0, 4000);
+
 /// A run and what it has cost.
 pub struct Cost {
     /// The rig and its loop.
@@ -37,6 +40,19 @@ pub fn measure() -> Result<Vec<Cost>> {
         Ok(Cost { run, figures: target.board().figures() })
     };
     runs().into_iter().map(cost).collect()
+}
+
+/// What the law cascade costs on a drive by its data sheets, there and back.
+///
+/// # Errors
+/// When there is no emulated board.
+pub fn measure_cascade() -> Result<Cost> {
+    let text = include_str!("../../sim/tests/cascade/press.toml");
+    let moves = "test.moves=[[0.1, 12250], [0.8, 3000]]".to_owned();
+    let rig = Rig::read_with("press", text, &[moves])?;
+    let target = QemuTarget::start(&rig)?;
+    let _ = body::run_and_record(&target, &rig);
+    Ok(Cost { run: "press, on a model".to_owned(), figures: target.board().figures() })
 }
 
 /// The figures as a table of Markdown.

@@ -4,7 +4,8 @@
 
 use pneudrive_build::figures::{FIRMWARE, Off};
 use pneudrive_hil_tests::cost::{
-    BUDGET, Cost, MAX_INSTRUCTIONS, MAX_INSTRUCTIONS_OF_FIRST, TABLE, measure, table, together,
+    BUDGET, BUDGET_OF_CASCADE, Cost, MAX_INSTRUCTIONS, MAX_INSTRUCTIONS_OF_FIRST, TABLE, measure,
+    measure_cascade, table, together,
 };
 
 #[test]
@@ -24,4 +25,15 @@ fn sample_and_output_take_no_more_instructions_than_is_held() {
     );
     pneudrive_build::figures::hold(FIRMWARE, TABLE, &table(&costs), Off::EitherWay)
         .unwrap_or_else(|error| panic!("{error:#}"));
+}
+
+/// The law cascade computes a model of the drive at each sample, and a way where a move begins.
+#[test]
+fn the_law_on_a_model_takes_no_more_instructions_than_is_held() {
+    let cost = measure_cascade().expect("an emulated board");
+    println!("{}", table(std::slice::from_ref(&cost)));
+    let (mean, most) = BUDGET_OF_CASCADE;
+    let figures = cost.figures.control_instructions;
+    assert!(figures.mean() <= mean, "{:.0} in the mean, held are {mean}", figures.mean());
+    assert!(figures.most <= most, "{} at most, held are {most}", figures.most);
 }

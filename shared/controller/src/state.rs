@@ -13,21 +13,24 @@ use crate::spool::Spool;
 use crate::supervisor::{Mode, Refusal, Supervisor};
 
 /// Everything that changes while the controller runs. [`Config`] and [`Sequence`] do not.
+///
+/// The law, which may be large, stands last: instructions reach what stands before it without computing an address.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[repr(C)]
 pub struct State {
     pub(crate) estimator: Estimator,
     pub(crate) sequencer: Sequencer,
     pub(crate) homing: Homing,
     /// Modes, faults and the reference flag; requests go to it directly (`arm`, `disarm`, `trip`).
     pub supervisor: Supervisor,
-    /// None before the first run.
-    pub(crate) law: Running,
     pub(crate) null_offset: NullOffset,
     pub(crate) observation: Observation,
     pub(crate) spool: Spool,
     /// The encoder's own count, and what is taken off it to make a position.
     pub(crate) encoder: i32,
     pub(crate) origin: i32,
+    /// None before the first run.
+    pub(crate) law: Running,
 }
 
 impl State {
