@@ -21,7 +21,7 @@
 //! A new setpoint begins a way from the motion that there is, and so does a valve that has been short of what is asked for 8 ms; a
 //! profile is followed as it comes. A load that stands at the end of its way, or creeps within 40 um of its target, rests: its
 //! force stays within 0.35 of the stiction of where it came to rest, goes to the middle of that band, or beyond 20 um at 125 m/s^3
-//! of the mass for each mm. So a load at rest is held by its friction, and there is no limit cycle.
+//! of the mass for each mm. So a load at rest is held by its dry friction, whatever error is left.
 //!
 //! Friction that gives way like a spring would be shaken for ever. A load that turns four times after the end of its way, or creeps at
 //! rest, has such bristles: from then on its friction keeps its sign at the end of a way, it rests as soon as it is slow, and its rest
