@@ -16,8 +16,8 @@
 //! | P, F | Q24 | 0 to 2, -2 to 2 | 2^-23 |
 //! | L | counts | 16 to 2^25 | 1 |
 //! | 1/L | Q32 | | 2^-32 |
-//! | K | Q30 | 0 to 0.7 | 3e-4 of it at 1 m and 10 um |
-//! | E, R | Q24 | 0 to 16 | 6e-4 of the largest |
+//! | K | Q30 | 0 to 0.7 | 2e-3 of it, at a stroke of 10^6 counts |
+//! | E, R | Q24 | 0 to 16 | 1e-4 of the largest |
 
 use super::number::{product, root};
 use crate::fixed::saturate;
@@ -115,5 +115,70 @@ impl Constants {
         let share = root(product(y, 2 * ONE - y, 18) as u32) as i32;
         let up = product(pressure, share, 15);
         saturate((i64::from(product(up, by_length, 24)) * i64::from(flow)) >> 24).min(16 * ONE)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The equations in real numbers, for constants as the law has them.
+    fn real(c: &Constants, x: i32, p: [f64; 2]) -> [f64; 3] {
+        let q16 = |value: i32| f64::from(value) / 65_536.0;
+        let (exhaust, r) = (f64::from(c.exhaust) / f64::from(ONE), f64::from(c.ratio) / f64::from(ONE));
+        let x = x.clamp(0, c.stroke);
+        let l = [f64::from(c.dead[0] + x), f64::from(c.dead[1] + c.stroke - x)];
+        let path = |up: f64, y: f64| {
+            let y = y.clamp(0.0, 1.0);
+            up * (y * (2.0 - y)).sqrt()
+        };
+        let fill = |i: usize| q16(c.flow[0]) * path(1.0, q16(c.steepness[0]) * (1.0 - p[i])) / l[i];
+        let vent =
+            |i: usize| q16(c.flow[1]) * path(p[i], q16(c.steepness[1]) * (1.0 - exhaust / p[i])) / l[i];
+        [q16(c.exponent) * (p[0] / l[0] + r * p[1] / l[1]), fill(0) + vent(1), vent(0) + fill(1)]
+    }
+
+    /// Short and long strokes in coarse and fine counts, both ends and beyond, pressures from below the exhaust to above the supply.
+    #[test]
+    fn stiffness_and_flows_are_their_equations() {
+        let mut worst = [0.0_f64; 3];
+        for (stroke, dead, flow) in
+            [(25_000, [840, 840], 239), (3000, [170, 200], 40), (1_000_000, [8000, 9000], 2400)]
+        {
+            let mut parameters = Parameters::default();
+            let values = [
+                (id::CASCADE_STROKE, stroke),
+                (id::CASCADE_DEAD_LENGTH_1, dead[0]),
+                (id::CASCADE_DEAD_LENGTH_2, dead[1]),
+                (id::CASCADE_EXHAUST_PRESSURE, 2_423_970),
+                (id::CASCADE_AREA_RATIO, 14_417_920),
+                (id::CASCADE_FLOW_SUPPLY, flow << 16),
+                (id::CASCADE_FLOW_EXHAUST, (flow << 16) + 12_345),
+            ];
+            for (id, value) in values {
+                parameters.set(id, value).expect("in range");
+            }
+            let constants = Constants::of(&parameters);
+            for x in [-100, 0, 1, stroke / 7, stroke / 2, stroke - 1, stroke, stroke + 100] {
+                for one in (0..23).map(|i| ONE / 20 * (i + 1)) {
+                    for two in [ONE / 8, ONE / 3, ONE / 2, ONE - 1, ONE] {
+                        let p = [one, two].map(|p| f64::from(p) / f64::from(ONE));
+                        let exact = real(&constants, x, p);
+                        let air = constants.at(x, [one, two]);
+                        let seen = [
+                            f64::from(air.stiffness) / f64::from(1 << 30),
+                            f64::from(air.extend),
+                            f64::from(air.retract),
+                        ];
+                        let largest = f64::from(flow) / f64::from(dead[0].min(dead[1]));
+                        worst[0] = worst[0].max((seen[0] / exact[0] - 1.0).abs());
+                        for i in [1, 2] {
+                            worst[i] = worst[i].max((seen[i] / f64::from(ONE) - exact[i]).abs() / largest);
+                        }
+                    }
+                }
+            }
+        }
+        assert!(worst[0] < 2e-3 && worst[1] < 1e-4 && worst[2] < 1e-4, "{worst:?}");
     }
 }
