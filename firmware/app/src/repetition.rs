@@ -83,7 +83,10 @@ mod tests {
                 carried_out.has(&status(later), 0);
             }
             carried_out.has(&status(first.wrapping_sub(FORGOTTEN_AFTER - 1)), 0);
-            assert!(carried_out.has(&disarm(first), 7), "a late copy, after a late copy of an earlier request");
+            assert!(
+                carried_out.has(&disarm(first), 7),
+                "a late copy, after a late copy of an earlier request"
+            );
             carried_out.has(&Request { session: 2, ..status(first.wrapping_add(FORGOTTEN_AFTER)) }, 0);
             assert!(carried_out.has(&disarm(first), 7), "another session has numbers of its own");
             carried_out.has(&status(first.wrapping_add(FORGOTTEN_AFTER)), 0);

@@ -134,6 +134,7 @@ macro_rules! control_laws {
         }
 
         /// The law that runs, with what it remembers from sample to sample.
+        #[allow(clippy::large_enum_variant)] // There is one of it, and no heap.
         #[derive(Clone, Debug, Default, PartialEq, Eq)]
         pub enum Running {
             /// None yet.

@@ -64,7 +64,8 @@ fn no_model_and_no_samples_make_it_overflow_or_leave_its_bounds() {
         let mut changes = WIDE.to_vec();
         changes.extend([(id::LAW, Law::Cascade as i32), (id::SENSOR_HIGH_RAW, 32_767)]);
         for line in TABLE.iter().filter(|line| line.name.starts_with("cascade_")) {
-            let value = if draws.next() % 2 == 0 { line.default } else { draws.within(line.min, line.max) };
+            let value =
+                if draws.next().is_multiple_of(2) { line.default } else { draws.within(line.min, line.max) };
             changes.push((line.id, if line.id == id::CASCADE_STROKE { value.max(1) } else { value }));
         }
         changes.push((id::PERIOD_US, [200, 1000, 1300, 100_000][(draws.next() % 4) as usize]));

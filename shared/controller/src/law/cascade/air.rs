@@ -111,7 +111,7 @@ impl Constants {
     /// c phi(P, y)/L; y in Q24.
     #[inline(always)]
     fn path(&self, pressure: i32, y: i32, by_length: i32, flow: i32) -> i32 {
-        let y = y.min(ONE).max(0);
+        let y = y.clamp(0, ONE);
         let share = root(product(y, 2 * ONE - y, 18) as u32) as i32;
         let up = product(pressure, share, 15);
         saturate((i64::from(product(up, by_length, 24)) * i64::from(flow)) >> 24).min(16 * ONE)

@@ -53,7 +53,7 @@ impl Flow {
         let error = force.saturating_sub(expected);
         self.force = expected.saturating_add(product(error, constants.force, 30));
         let change = (i64::from(error) * i64::from(constants.rate)) >> 14;
-        self.unknown = (self.unknown + change).min(MOST).max(-MOST);
+        self.unknown = (self.unknown + change).clamp(-MOST, MOST);
     }
 
     /// g, force a sample, Q24.

@@ -99,7 +99,7 @@ impl Constants {
         let inverse =
             |value: i32| ratio(1 << 40, u64::from(value.unsigned_abs())).min(i32::MAX as u64) as i32;
         // 300 T/(1 + 300 T).
-        let pole = ratio(300 * u64::from(period_us) << 16, 1_000_000 + 300 * u64::from(period_us));
+        let pole = ratio((300 * u64::from(period_us)) << 16, 1_000_000 + 300 * u64::from(period_us));
         Constants {
             acceleration,
             inertia: inverse(acceleration),
@@ -259,12 +259,12 @@ impl Load {
             let [low, high] = BOUNDS[i];
             let next = self.unknown[i].saturating_add(product(gain[i], miss, 22));
             self.unknown[i] = next.min(high).max(low);
-            for j in 0..4 {
+            for (j, &ph) in ph.iter().enumerate() {
                 let drift = if i == j { DRIFT } else { 0 };
                 let next =
-                    self.covariance[i][j].saturating_sub(product(gain[i], ph[j], 20)).saturating_add(drift);
+                    self.covariance[i][j].saturating_sub(product(gain[i], ph, 20)).saturating_add(drift);
                 self.covariance[i][j] =
-                    if i == j { next.min(CERTAIN).max(DRIFT) } else { within(next, CERTAIN) };
+                    if i == j { next.clamp(DRIFT, CERTAIN) } else { within(next, CERTAIN) };
             }
         }
     }
@@ -272,7 +272,7 @@ impl Load {
     /// The unknowns as they are used.
     fn take_over(&mut self, constants: &Constants) {
         let [mass, friction, force, viscous] = self.unknown;
-        self.mass = ((1 << 16) + product(mass, SPREAD, 24)).max(1 << 14).min(4 << 16);
+        self.mass = ((1 << 16) + product(mass, SPREAD, 24)).clamp(1 << 14, 4 << 16);
         self.by_mass = u32::MAX.checked_div(self.mass.unsigned_abs()).unwrap_or(0) as i32;
         self.friction = ((1 << 16) + product(friction, SPREAD, 24)).min(2 << 16);
         self.standing = product(constants.weight, self.mass, 16)

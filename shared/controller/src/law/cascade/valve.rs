@@ -79,7 +79,7 @@ impl Constants {
 
     /// C of a path whose land is at z, Q16.
     fn conductance(&self, z: i32) -> i32 {
-        let open = product(z.saturating_sub(self.lap), self.by_span, 28).min(1 << 16).max(0);
+        let open = product(z.saturating_sub(self.lap), self.by_span, 28).clamp(0, 1 << 16);
         self.leakage + product(open, (1 << 16) - self.leakage, 16)
     }
 
@@ -106,7 +106,7 @@ impl Constants {
         let share =
             ratio(u64::from(asked.unsigned_abs()) << 16, u64::from(open.unsigned_abs())).min(1 << 16) as i32;
         let place = self.lap.saturating_add(product(self.span, (share - self.leakage).max(0), 16));
-        place.min(MOST).max(0).saturating_mul(net.signum())
+        place.clamp(0, MOST).saturating_mul(net.signum())
     }
 }
 

@@ -67,7 +67,7 @@ impl Way {
     /// From a motion to rest at a target (Q16).
     #[inline(never)]
     pub(super) fn to(target: i64, from: Point, limits: &Limits) -> Way {
-        let way = target.wrapping_sub(from.x).max(-FARTHEST).min(FARTHEST);
+        let way = target.wrapping_sub(from.x).clamp(-FARTHEST, FARTHEST);
         let distance = (way.unsigned_abs() >> 16) as u32;
         let length = length(distance, limits);
         let step = u32::MAX.checked_div(length).unwrap_or(0);
