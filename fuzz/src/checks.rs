@@ -2,7 +2,7 @@
 
 use pneudrive_app::{Control, Recorder};
 use pneudrive_controller::{Fault, Mode, Parameters};
-use pneudrive_protocol::{Refused, Reply, ReplyBody, Request, RequestBody};
+use pneudrive_protocol::{Reply, ReplyBody, Request, RequestBody, RequestRefusal};
 
 /// What a refused request leaves as it is.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -77,7 +77,7 @@ pub fn check_boot(
     before: &Seen,
     after: &Seen,
 ) -> Option<u32> {
-    let refused = ReplyBody::Refused(Refused::OtherBoot { number: now });
+    let refused = ReplyBody::Refused(RequestRefusal::OtherBoot { number: now });
     let is_refused = reply.is_some_and(|reply| reply.body == refused);
     let is_other = meant != now;
     assert!(is_other || !is_refused, "it was meant for this boot");

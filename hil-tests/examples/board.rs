@@ -6,9 +6,9 @@ fn main() -> std::process::ExitCode {
     use std::panic::{AssertUnwindSafe, catch_unwind};
     use std::process::ExitCode;
 
-    use pneudrive_hil_tests::board::Bench;
+    use pneudrive_hil_tests::board::BoardBench;
 
-    let bench = match Bench::from_environment() {
+    let bench = match BoardBench::from_environment() {
         Ok(bench) => bench,
         Err(error) => {
             eprintln!("error: {error:#}");

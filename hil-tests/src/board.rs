@@ -19,7 +19,7 @@ use crate::service::commission;
 use crate::{Target, body};
 
 /// What is at the bench.
-pub struct Bench {
+pub struct BoardBench {
     port: String,
     plant: Plant,
 }
@@ -41,14 +41,14 @@ pub type Body = (&'static str, Run);
 /// A test body of every simulated execution level.
 type OnLevel = fn(body::Start);
 
-static BENCH: OnceLock<Bench> = OnceLock::new();
+static BENCH: OnceLock<BoardBench> = OnceLock::new();
 
-impl Bench {
+impl BoardBench {
     /// The bench that the variables name; once in a process.
     ///
     /// # Errors
     /// When they name none, or nobody answers.
-    pub fn from_environment() -> Result<&'static Bench> {
+    pub fn from_environment() -> Result<&'static BoardBench> {
         let variable = |name: &str| std::env::var(name).ok().filter(|value| !value.is_empty());
         let port = variable("PNEUDRIVE_BOARD").context(
             "PNEUDRIVE_BOARD is not set: set it to the board's port, such as /dev/ttyACM0; there is nothing to test without a board",
@@ -63,7 +63,7 @@ impl Bench {
                 "set PNEUDRIVE_BOARD_PLANT to the board's second port, for a simulated plant, or PNEUDRIVE_BOARD_RIG to the rig file whose test may be run on the cylinder that is there"
             ),
         };
-        Ok(BENCH.get_or_init(|| Bench { port, plant }))
+        Ok(BENCH.get_or_init(|| BoardBench { port, plant }))
     }
 
     /// The test bodies for what the board drives.
@@ -113,7 +113,7 @@ fn simulated() -> Vec<Body> {
 
 /// The board, for one test body.
 struct BoardTarget {
-    bench: &'static Bench,
+    bench: &'static BoardBench,
 }
 
 /// Puts the board into service with a simulated plant, as on the other execution levels.

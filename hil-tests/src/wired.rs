@@ -37,8 +37,8 @@ use pneudrive_sim::{IntegrationError, Rig};
 use crate::native::{Callers, listener, port_name};
 use crate::service::commission;
 use crate::{Delayed, Target};
-use bench::Bench;
-use bus::{Bus, Model};
+use bench::ChipBench;
+use bus::{Bus, ChipModel};
 use chips::{Ls7366r, Mcp3208, Mcp4922};
 use wires::{KeptWords, Microseconds, NoSwitch, Output, OutputLine, Terminals, Wires};
 
@@ -152,13 +152,13 @@ impl Lines for Modelled {
 /// The board, and the plant at its pins: a run begins with the plant in its initial state.
 struct TestBoard {
     board: SpiBoard<Modelled>,
-    bench: Bench,
+    bench: ChipBench,
 }
 
 impl TestBoard {
     fn new(rig: &Rig, wires: &Wires) -> TestBoard {
         let encoder = Rc::new(RefCell::new(Ls7366r::default()));
-        let bench = Bench::new(rig, Rc::clone(wires), Rc::clone(&encoder));
+        let bench = ChipBench::new(rig, Rc::clone(wires), Rc::clone(&encoder));
         let pin = |output| OutputLine(Rc::clone(wires), output);
         let waits = || Microseconds(Rc::clone(wires));
         let Ok(steps) = StepPins::new(pin(Output::Step), pin(Output::Direction), waits());
@@ -188,7 +188,7 @@ impl TestBoard {
 }
 
 /// A chip on a bus of its own.
-fn bus<M: Model>(chip: M, wires: &Wires, khz: u64) -> Bus<M> {
+fn bus<M: ChipModel>(chip: M, wires: &Wires, khz: u64) -> Bus<M> {
     Bus::new(Rc::new(RefCell::new(chip)), wires, khz)
 }
 

@@ -2,7 +2,7 @@
 //! instructions of whole runs in the emulator.
 #![cfg(unix)]
 
-use pneudrive_build::figures::{FIRMWARE, Off};
+use pneudrive_build::figures::{FIRMWARE, OffTable};
 use pneudrive_hil_tests::cost::{
     BUDGET, BUDGET_OF_CASCADE, Cost, MAX_INSTRUCTIONS, MAX_INSTRUCTIONS_OF_FIRST, TABLE, measure,
     measure_cascade, table, together,
@@ -23,7 +23,7 @@ fn sample_and_output_take_no_more_instructions_than_is_held() {
         "{} at a first sample, held are {MAX_INSTRUCTIONS_OF_FIRST}",
         first.most
     );
-    pneudrive_build::figures::hold(FIRMWARE, TABLE, &table(&costs), Off::EitherWay)
+    pneudrive_build::figures::hold(FIRMWARE, TABLE, &table(&costs), OffTable::EitherWay)
         .unwrap_or_else(|error| panic!("{error:#}"));
 }
 

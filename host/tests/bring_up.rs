@@ -54,7 +54,7 @@ impl Operator for Helper {
         if question.starts_with("Take the wire of drive_enable off") && self.gated {
             self.wiring.spoil(WiringFault::EnableOpen);
         } else if question.starts_with("Put the wire of drive_enable back") {
-            self.wiring.mend(WiringFault::EnableOpen);
+            self.wiring.repair(WiringFault::EnableOpen);
         }
         Some(self.vented || !question.starts_with("Shut off the air"))
     }
@@ -222,16 +222,16 @@ fn without_pressure_sensors_other_wires_are_still_found_by_what_is_left() {
 }
 
 /// Somebody who lets it move, and does something before a watchdog that is not fed bites.
-struct Meddler<F>(Option<F>);
+struct Interferer<F>(Option<F>);
 
-impl<F: FnOnce() + Send + 'static> Operator for Meddler<F> {
+impl<F: FnOnce() + Send + 'static> Operator for Interferer<F> {
     fn tell(&mut self, text: &str) {
         if text.starts_with("the board feeds its watchdog no more")
-            && let Some(meddle) = self.0.take()
+            && let Some(interfere) = self.0.take()
         {
             std::thread::spawn(|| {
                 std::thread::sleep(Duration::from_millis(100));
-                meddle();
+                interfere();
             });
         }
     }
@@ -252,13 +252,13 @@ impl<F: FnOnce() + Send + 'static> Operator for Meddler<F> {
 }
 
 /// What a bring-up finds if the board does this in place of the reset by its watchdog.
-fn found_with(meddle: impl FnOnce(Background, PersistentFlash) + Send + 'static) -> Vec<String> {
+fn found_with(interfere: impl FnOnce(Background, PersistentFlash) + Send + 'static) -> Vec<String> {
     let flash = PersistentFlash::default();
     let rig = Rig::builtin("servo-b-tuned").expect("a built-in rig");
     let (rig, _) = served(VirtualRig::with_flash(rig, 0, FAST, flash.clone()).expect("a rig"), "127.0.0.1:0");
     let mut client = Client::connect(rig.port()).expect("an answer");
     let options = Options { push_wait: Duration::ZERO, ..SOON };
-    let report = bring_up(&mut client, &mut Meddler(Some(|| meddle(rig, flash))), options);
+    let report = bring_up(&mut client, &mut Interferer(Some(|| interfere(rig, flash))), options);
     advice(&report.expect("a report"))
 }
 

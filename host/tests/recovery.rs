@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
-use pneudrive_evaluate::wanted::Wanted;
+use pneudrive_evaluate::cancel::CancelToken;
 use pneudrive_identify::figures::Figures;
 use pneudrive_identify::parameter::{Parameter, usual};
 use pneudrive_identify::recording::Recording;
@@ -127,7 +127,7 @@ impl Recorded {
     /// A fit to some of the records.
     fn fit(&self, parameters: Vec<Parameter>, records: &[usize]) -> Identification {
         let recordings: Vec<_> = records.iter().map(|&number| self.recording(number)).collect();
-        identify(&self.model(), &recordings, parameters, Accuracy::default(), &mut |_| {}, Wanted::ALWAYS)
+        identify(&self.model(), &recordings, parameters, Accuracy::default(), &mut |_| {}, CancelToken::NEVER)
             .expect("a fit")
     }
 }

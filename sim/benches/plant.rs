@@ -5,7 +5,7 @@ use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use pneudrive_controller::Command;
-use pneudrive_sim::component::air::Station;
+use pneudrive_sim::component::air::GasState;
 use pneudrive_sim::component::gas::Gas;
 use pneudrive_sim::component::tubing::Tube;
 use pneudrive_sim::component::valve::flow_law::FlowLaw;
@@ -33,7 +33,7 @@ const VALVE: Valve = Valve {
 /// Both flow nodes with their tubes, for a spool that has gone a micrometre since the last solution.
 fn flow_nodes(criterion: &mut Criterion) {
     let gas = Gas::new(1.4, 286.76);
-    let station = |pressure| Station { exner: gas.exner(pressure), temperature: 294.0 };
+    let station = |pressure| GasState { exner: gas.exner(pressure), temperature: 294.0 };
     let tube = Tube::empirical(&gas, 0.4, 0.00465);
     let laws = Laws::alike(FlowLaw::Orifice);
     let mut network = Network::new(gas, station(589e3), station(101.3e3), tube, tube, laws, None);

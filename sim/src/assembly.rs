@@ -28,7 +28,7 @@ pub(crate) use layout::{END_GUARDS, GUARDS, STATES, StateVector, scale_of, slot}
 pub(crate) use load::Effects;
 
 use crate::component::actuator::Actuator;
-use crate::component::air::Station;
+use crate::component::air::GasState;
 use crate::component::faults::Schedule;
 use crate::component::friction::{self, Contact};
 use crate::component::gas::Gas;
@@ -221,7 +221,7 @@ impl Assembly {
         self.follow_pressures(air.pressure.to_array(), x, &mut slope);
         self.move_load(force, x, &mut slope);
         if let Some(lag) = &self.parts.lag {
-            let in_tubes = Station { temperature: carried, ..air.station() };
+            let in_tubes = GasState { temperature: carried, ..air.station() };
             let returning = self.parts.network.returning_temperature(&nodes);
             let rates = lag.derivative(gas, x, (nodes.supply.reduce_add(), returning), (&in_tubes, flows));
             for (place, rate) in slot::RATIO.into_iter().zip(rates) {

@@ -51,7 +51,7 @@ impl ContinuousLaw {
     /// When the rig has not been checked.
     #[must_use]
     pub fn of(rig: &Rig) -> Option<ContinuousLaw> {
-        (rig.get(&controller::keys::MODEL) == controller::Model::Continuous).then(|| {
+        (rig.get(&controller::keys::MODEL) == controller::ControllerKind::Continuous).then(|| {
             let config = Config::new(&rig.parameters()).expect("a checked rig has a consistent controller");
             let law = ContinuousLaw::new(&config, pulse(rig));
             if rig.get(&controller::keys::START_S) > 0.0 { law.waiting() } else { law }

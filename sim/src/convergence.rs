@@ -164,7 +164,7 @@ impl Other {
 /// The readings of a run's plant in another integration: under the run's commands, or with the continuous controller
 /// in its own loop.
 fn readings(rig: &Rig, accuracy: Accuracy, of: &Run) -> Result<Vec<Reading>, IntegrationError> {
-    if rig.get(&keys::controller::MODEL) == controller::Model::Continuous {
+    if rig.get(&keys::controller::MODEL) == controller::ControllerKind::Continuous {
         return run(rig, accuracy).map(|run| run.readings);
     }
     let timing = Timing {
@@ -184,7 +184,7 @@ struct Judge {
 
 impl Judge {
     fn new(rig: &Rig) -> Judge {
-        let sampled = rig.get(&keys::controller::MODEL) == controller::Model::Sampled
+        let sampled = rig.get(&keys::controller::MODEL) == controller::ControllerKind::Sampled
             && rig.get(&keys::controller::LOOP) == controller::Loop::Closed;
         let feeds_back = rig.get(&keys::controller::PRESSURE_FEEDBACK_GAIN) != 0.0;
         Judge {

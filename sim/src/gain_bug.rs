@@ -74,7 +74,7 @@ pub(crate) fn check(rig: &Rig, findings: &mut Findings) {
 
 /// Why a controller cannot have the bug, in the reading of a profile's last gain or another one.
 fn refused(rig: &Rig, last_gain: bool) -> Option<&'static str> {
-    if rig.get(&controller::keys::MODEL) != controller::Model::Sampled {
+    if rig.get(&controller::keys::MODEL) != controller::ControllerKind::Sampled {
         return Some("it is a bug of the sampled controller");
     }
     if rig.get(&controller::keys::LOOP) != Loop::Closed {

@@ -44,14 +44,14 @@ mod settling;
 mod solve;
 mod usual;
 
-use crate::component::air::Station;
+use crate::component::air::GasState;
 use crate::component::gas::Gas;
 use crate::component::tubing::{FarEnd, Tube};
 use crate::component::valve::flow_law::FlowLaw;
 use crate::number::{Number, Pair};
 use following::Following;
 pub use node::Node;
-pub(crate) use nodes::{Nodes, Surroundings};
+pub(crate) use nodes::{BoundaryConditions, Nodes};
 use predictor::Predictor;
 
 /// The direction of the air in a port. It is fixed during a step; its reversal is an event.
@@ -100,10 +100,10 @@ impl Laws {
 #[derive(Clone, Debug)]
 pub struct Network {
     gas: Gas,
-    supply: Station,
+    supply: GasState,
     /// 1/T of the supply, 1/K.
     per_supply_temperature: f64,
-    exhaust: Station,
+    exhaust: GasState,
     supply_tube: Tube,
     cylinder_tube: Tube,
     laws: Laws,
@@ -160,8 +160,8 @@ impl Network {
     #[must_use]
     pub fn new(
         gas: Gas,
-        supply: Station,
-        exhaust: Station,
+        supply: GasState,
+        exhaust: GasState,
         supply_tube: Tube,
         cylinder_tube: Tube,
         laws: Laws,
@@ -257,7 +257,7 @@ impl Network {
 
     /// The supply, in front of its tube.
     #[must_use]
-    pub fn supply(&self) -> &Station {
+    pub fn supply(&self) -> &GasState {
         &self.supply
     }
 
@@ -272,13 +272,16 @@ impl Network {
     }
 
     /// The exhaust behind both.
-    fn exhausts(&self) -> Station<Pair> {
-        Station { exner: Pair::splat(self.exhaust.exner), temperature: Pair::splat(self.exhaust.temperature) }
+    fn exhausts(&self) -> GasState<Pair> {
+        GasState {
+            exner: Pair::splat(self.exhaust.exner),
+            temperature: Pair::splat(self.exhaust.temperature),
+        }
     }
 
     /// The exhaust.
     #[must_use]
-    pub fn exhaust(&self) -> &Station {
+    pub fn exhaust(&self) -> &GasState {
         &self.exhaust
     }
 
@@ -291,12 +294,12 @@ impl Network {
     pub(crate) fn exner_behind_ports(
         &self,
         nodes: &Nodes,
-        chambers: &Station<Pair>,
+        chambers: &GasState<Pair>,
         ports: &[PortFlow; 2],
     ) -> Pair {
         let charging = PortFlow::charging(ports);
         let temperature = Pair::choose(charging, nodes.carried, chambers.temperature);
-        self.cylinder_tube.far_end(&Station { temperature, ..*chambers }, -nodes.port_flow()).exner
+        self.cylinder_tube.far_end(&GasState { temperature, ..*chambers }, -nodes.port_flow()).exner
     }
 
     /// w at the valve's end of the supply tube, for a flow (kg/s) from the supply.
@@ -304,14 +307,14 @@ impl Network {
     fn supply_end(&self, total: f64) -> FarEnd {
         let temperature = if total < 0.0 { self.returning } else { self.supply.temperature };
         match &self.following {
-            None => self.supply_tube.far_end(&Station { temperature, ..self.supply }, total),
+            None => self.supply_tube.far_end(&GasState { temperature, ..self.supply }, total),
             Some(following) => following.far_end(self.supply.exner, temperature, total),
         }
     }
 
     /// Lets a part of the drop in a lagged supply tube follow the flow at once. `part` is its exponent of the tube's
     /// factor; the rest has come to the known pressure.
-    pub(crate) fn let_supply_follow(&mut self, source: Station, tube: Tube, part: f64) {
+    pub(crate) fn let_supply_follow(&mut self, source: GasState, tube: Tube, part: f64) {
         self.following = (part > 0.0).then_some(Following { source, tube, part });
     }
 }

@@ -106,7 +106,7 @@ pub fn run_recorded(
 #[derive(Clone, Debug)]
 pub struct Runner<R = Row> {
     /// The drive at the start of the test.
-    start: Drive,
+    start: SimulatedDrive,
     period_us: u64,
     last_sample: u32,
     row_period_us: u64,
@@ -134,7 +134,7 @@ impl<R: Record> Runner<R> {
         let row_period_us = row_period.unwrap_or(period_us);
         let end_us = rig.microseconds(&keys::test::DURATION_S);
         run.make_room(room_for(end_us / row_period_us), room_for(u64::from(last_sample)));
-        let start = Drive::of(rig, accuracy);
+        let start = SimulatedDrive::of(rig, accuracy);
         Runner { start, period_us, last_sample, row_period_us, end_us, recording, run }
     }
 
@@ -178,7 +178,7 @@ impl<R: Record> Runner<R> {
 
     /// Adds the row at `time`, s. The air inside the valve comes last, so that the others need no copy of it.
     #[inline]
-    fn add_row(&mut self, drive: &mut Drive, time: f64) -> Result<(), IntegrationError> {
+    fn add_row(&mut self, drive: &mut SimulatedDrive, time: f64) -> Result<(), IntegrationError> {
         let (seen, plant) = drive.seen_and_plant();
         plant.come_to(time)?;
         self.run.rows.push(R::of(plant, time, seen));
@@ -225,7 +225,7 @@ impl<R> Run<R> {
 
 /// The controller, and the plant that it drives.
 #[derive(Clone, Debug)]
-struct Drive {
+struct SimulatedDrive {
     config: Config,
     sequence: Sequence,
     state: State,
@@ -238,9 +238,9 @@ struct Drive {
     fault: Option<(Fault, u32)>,
 }
 
-impl Drive {
+impl SimulatedDrive {
     /// The drive of a rig at the start of its test, referenced, armed and at rest.
-    fn of(rig: &Rig, accuracy: Accuracy) -> Drive {
+    fn of(rig: &Rig, accuracy: Accuracy) -> SimulatedDrive {
         let parameters = rig.parameters();
         let config = Config::new(&parameters).expect("a checked rig has a consistent controller");
         let sequence = rig.sequence();
@@ -249,7 +249,7 @@ impl Drive {
         state.supervisor.arm().expect("a new drive does not run");
         state.start(&config, &sequence).expect("a checked rig has moves that may be run");
         let (plant, bug) = (Plant::new(rig, accuracy, 0), GainBug::of(rig, &config));
-        Drive { config, sequence, state, plant, bug, seen: None, target: None, fault: None }
+        SimulatedDrive { config, sequence, state, plant, bug, seen: None, target: None, fault: None }
     }
 
     /// The record of the present sample.

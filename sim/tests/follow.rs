@@ -11,7 +11,7 @@ fn repeated(name: &str, settings: &[&str]) {
     let settings: Vec<String> = settings.iter().map(ToString::to_string).collect();
     let rig = Rig::read_with(name, text, &settings).expect("a rig");
     let run = run(&rig, Accuracy::default()).expect("a run");
-    let stepper = rig.get(&keys::operator::MODEL) == operator::Model::Stepper;
+    let stepper = rig.get(&keys::operator::MODEL) == operator::OperatorKind::Stepper;
     let commands = run.observations.iter().map(|seen| {
         // SPLLOC is noted before the pulse of the sample's output.
         let step = if stepper { (seen.command - seen.spool).signum() } else { 0 };

@@ -6,7 +6,7 @@ use std::process::Command;
 
 use anyhow::{Context, Result, ensure};
 use pneudrive_build::cargo::{built, in_root, run};
-use pneudrive_build::figures::{self, Off, SPEED};
+use pneudrive_build::figures::{self, OffTable, SPEED};
 
 use crate::tools::VALGRIND;
 
@@ -26,7 +26,7 @@ pub fn check() -> Result<()> {
         println!("the table is of {processor} under {os}: instructions are not compared here");
         return Ok(());
     }
-    figures::hold(SPEED, TABLE, &measured()?, Off::Above)
+    figures::hold(SPEED, TABLE, &measured()?, OffTable::Above)
 }
 
 /// Writes the table again.

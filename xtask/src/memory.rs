@@ -139,7 +139,7 @@ fn tell(name: &str, memory: &Memory) {
 /// # Errors
 /// When a figure is off, with the remedy.
 pub fn check() -> Result<()> {
-    figures::hold(figures::FIRMWARE, TABLE, &table()?, figures::Off::EitherWay)
+    figures::hold(figures::FIRMWARE, TABLE, &table()?, figures::OffTable::EitherWay)
 }
 
 /// Writes the document's table again.

@@ -13,7 +13,7 @@ use core::borrow::BorrowMut;
 use pneudrive_controller::{Config, Fault, Mode, Parameters, State, output, sample};
 use pneudrive_protocol::Spread;
 
-pub use changes::{ChangeError, SaveRefused};
+pub use changes::{ChangeError, SaveRefusal};
 pub use test::{NAME_BYTES, Test};
 pub use transaction::TakeError;
 

@@ -2,7 +2,7 @@
 //! damaged frames. An image without the feature has nothing of it. The control's interrupts tell nothing.
 
 use pneudrive_controller::Mode;
-use pneudrive_protocol::Refused;
+use pneudrive_protocol::RequestRefusal;
 
 /// Tells, as `defmt` does: `tell!(error, "reset by fault {=u8}", code)`. A crate that uses it has the feature `log` and, with it, the
 /// dependency `defmt`.
@@ -50,25 +50,27 @@ fn tell_mode(mode: Mode) {
 }
 
 /// Tells why a request was not carried out.
-pub(crate) fn tell_refusal(refused: &Refused<'_>) {
+pub(crate) fn tell_refusal(refused: &RequestRefusal<'_>) {
     match *refused {
-        Refused::NotNow(code) => tell!(warn, "refused: not now, code {=u8}", code),
-        Refused::UnknownParameter { id } => tell!(warn, "refused: no parameter {=u16}", id),
-        Refused::OutOfRange { id, value } => {
+        RequestRefusal::NotNow(code) => tell!(warn, "refused: not now, code {=u8}", code),
+        RequestRefusal::UnknownParameter { id } => tell!(warn, "refused: no parameter {=u16}", id),
+        RequestRefusal::OutOfRange { id, value } => {
             tell!(warn, "refused: {=i32} is out of range of parameter {=u16}", value, id);
         }
-        Refused::Inconsistent { advice } => tell!(warn, "refused: {=str}", advice),
-        Refused::TestTooLong => tell!(warn, "refused: test too long"),
-        Refused::MovesOutOfOrder => tell!(warn, "refused: moves out of order"),
-        Refused::TooManyMoves => tell!(warn, "refused: too many moves"),
-        Refused::NoRecord => tell!(warn, "refused: no record"),
-        Refused::RecordRange { samples } => tell!(warn, "refused: the record has {=u32} samples", samples),
-        Refused::Unknown => tell!(warn, "refused: unknown request"),
-        Refused::NotStored => tell!(warn, "refused: the flash was not written"),
-        Refused::OtherRecord => tell!(warn, "refused: another record"),
-        Refused::Owned(_) => tell!(warn, "refused: another host commands the drive"),
-        Refused::ChangeNotWhole => tell!(warn, "refused: a part of the change is missing"),
-        Refused::OtherTest => tell!(warn, "refused: another test"),
-        Refused::OtherBoot { number } => tell!(warn, "refused: this is boot {=u32}", number),
+        RequestRefusal::Inconsistent { advice } => tell!(warn, "refused: {=str}", advice),
+        RequestRefusal::TestTooLong => tell!(warn, "refused: test too long"),
+        RequestRefusal::MovesOutOfOrder => tell!(warn, "refused: moves out of order"),
+        RequestRefusal::TooManyMoves => tell!(warn, "refused: too many moves"),
+        RequestRefusal::NoRecord => tell!(warn, "refused: no record"),
+        RequestRefusal::RecordRange { samples } => {
+            tell!(warn, "refused: the record has {=u32} samples", samples)
+        }
+        RequestRefusal::Unknown => tell!(warn, "refused: unknown request"),
+        RequestRefusal::NotStored => tell!(warn, "refused: the flash was not written"),
+        RequestRefusal::OtherRecord => tell!(warn, "refused: another record"),
+        RequestRefusal::Owned(_) => tell!(warn, "refused: another host commands the drive"),
+        RequestRefusal::ChangeNotWhole => tell!(warn, "refused: a part of the change is missing"),
+        RequestRefusal::OtherTest => tell!(warn, "refused: another test"),
+        RequestRefusal::OtherBoot { number } => tell!(warn, "refused: this is boot {=u32}", number),
     }
 }

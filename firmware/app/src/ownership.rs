@@ -82,7 +82,7 @@ impl Need {
 
 /// The host that asks to own the drive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Asker<'a> {
+pub struct Requester<'a> {
     /// Its session.
     pub session: u32,
     /// Its name.
@@ -108,8 +108,8 @@ pub struct Ownership {
 impl Ownership {
     /// A host that owns the drive from its present request on.
     #[must_use]
-    pub fn of(by: &Asker<'_>, now_ms: Option<u64>) -> Ownership {
-        let Asker { session, host, sequence } = *by;
+    pub fn of(by: &Requester<'_>, now_ms: Option<u64>) -> Ownership {
+        let Requester { session, host, sequence } = *by;
         Ownership { session, host: cut(host), heard_ms: now_ms, last: sequence, ..Ownership::default() }
     }
 

@@ -49,7 +49,7 @@ struct Pending {
 
 /// The result of a reading.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Taken {
+pub(crate) struct InputEvents {
     /// Acknowledge has gone on.
     pub acknowledges: bool,
     /// The number that a start has selected, once it has settled.
@@ -132,7 +132,7 @@ impl Selector {
     }
 
     /// Takes the reading of a sample.
-    pub(crate) fn take(&mut self, read: u8, timing: &Timing) -> Taken {
+    pub(crate) fn take(&mut self, read: u8, timing: &Timing) -> InputEvents {
         let period_us = timing.period_us.get();
         let debounce_us = timing.input_debounce_ms.saturating_mul(1000);
         let steady_us = self.steady_us.saturating_add(period_us).min(debounce_us);
@@ -152,22 +152,22 @@ impl Selector {
         if rising & input::START != 0 && before & read & BOTH == BOTH {
             self.pending = Some(Pending { inputs: read & !input::ACKNOWLEDGE, waited_us: 0 });
         }
-        Taken { acknowledges: rising & input::ACKNOWLEDGE != 0, ..settled }
+        InputEvents { acknowledges: rising & input::ACKNOWLEDGE != 0, ..settled }
     }
 
     /// The outcome of a start that has counted.
-    fn settle(&mut self, period_us: u32, settling_ms: u32) -> Taken {
-        let Some(pending) = &mut self.pending else { return Taken::default() };
+    fn settle(&mut self, period_us: u32, settling_ms: u32) -> InputEvents {
+        let Some(pending) = &mut self.pending else { return InputEvents::default() };
         if self.read & !input::ACKNOWLEDGE != pending.inputs {
             self.pending = None;
-            return Taken { unsettled: true, ..Taken::default() };
+            return InputEvents { unsettled: true, ..InputEvents::default() };
         }
         pending.waited_us = pending.waited_us.saturating_add(period_us);
         if pending.waited_us < settling_ms.saturating_mul(1000) {
-            return Taken::default();
+            return InputEvents::default();
         }
         self.pending = None;
-        Taken { starts: Some(self.read & input::NUMBER), ..Taken::default() }
+        InputEvents { starts: Some(self.read & input::NUMBER), ..InputEvents::default() }
     }
 
     /// A stop: nothing that was acknowledged or started before it counts any more.
@@ -242,7 +242,7 @@ mod tests {
     }
 
     /// The orders from readings, each this many milliseconds long.
-    fn taken(selector: &mut Selector, readings: &[(u8, usize)]) -> Vec<Taken> {
+    fn taken(selector: &mut Selector, readings: &[(u8, usize)]) -> Vec<InputEvents> {
         let each = readings.iter().flat_map(|&(read, ms)| std::iter::repeat_n(read, ms));
         each.map(|read| selector.take(read, &timing())).collect()
     }
@@ -310,7 +310,7 @@ mod tests {
     #[test]
     fn what_is_on_when_the_power_comes_is_no_edge() {
         let all = taken(&mut Selector::default(), &[(START | input::ACKNOWLEDGE, 40)]);
-        assert!(all.iter().all(|taken| *taken == Taken::default()));
+        assert!(all.iter().all(|taken| *taken == InputEvents::default()));
     }
 
     #[test]
@@ -354,7 +354,7 @@ mod tests {
             taken(&mut selector, &[(BOTH | 5, 9), (START | input::ACKNOWLEDGE | 5, 2)]);
             end(&mut selector);
             let later = taken(&mut selector, &[(START | input::ACKNOWLEDGE | 5, 40)]);
-            assert!(later.iter().all(|taken| *taken == Taken::default()));
+            assert!(later.iter().all(|taken| *taken == InputEvents::default()));
             let anew = taken(&mut selector, &[(BOTH | 5, 9), (START | input::ACKNOWLEDGE | 5, 40)]);
             assert_eq!(anew.iter().filter(|taken| taken.acknowledges).count(), 1);
             assert_eq!(anew.iter().filter_map(|taken| taken.starts).collect::<Vec<_>>(), [5]);

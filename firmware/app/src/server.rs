@@ -14,7 +14,8 @@ use embedded_io::Write;
 use pneudrive_protocol::session::NOBODY;
 use pneudrive_protocol::{
     Accumulator, CHUNK_SAMPLES, Event, MAX_EVENTS, MAX_FRAME, MAX_ROWS, MAX_VALUES, MessageError,
-    RecordedSample, Refused, Reply, ReplyBody, Request, StreamedSample, decode_request, encode_reply, frame,
+    RecordedSample, Reply, ReplyBody, Request, RequestRefusal, StreamedSample, decode_request, encode_reply,
+    frame,
 };
 
 use answers::{DIGEST_BETWEEN, digest};
@@ -23,9 +24,9 @@ use requests::carry_out;
 use crate::board::Board;
 use crate::change::Parts;
 use crate::control::Control;
+use crate::duplicate_filter::DuplicateFilter;
 use crate::log::tell_refusal;
 use crate::recorder::Recorder;
-use crate::repetition::CarriedOut;
 use crate::shared_drive::SharedDrive;
 use crate::store::Store;
 use crate::stream::Stream;
@@ -39,7 +40,7 @@ pub struct Server {
     accumulator: Accumulator,
     /// The last request, by its CRC, and where its reply ends in `reply`.
     answered: Option<(u32, usize)>,
-    carried_out: CarriedOut,
+    duplicates: DuplicateFilter,
     reply: [u8; MAX_FRAME],
     talk: Talk,
     /// The session that has asked last.
@@ -56,9 +57,9 @@ struct Talk {
 impl Server {
     /// All that it knows, but for bytes of replies before the last one.
     fn known(&self) -> impl PartialEq + core::hash::Hash + '_ {
-        let Server { accumulator, answered, carried_out, reply, talk, session } = self;
+        let Server { accumulator, answered, duplicates, reply, talk, session } = self;
         let len = answered.map_or(0, |(_, len)| len);
-        (accumulator, answered, carried_out, reply.get(..len), talk, session)
+        (accumulator, answered, duplicates, reply.get(..len), talk, session)
     }
 }
 
@@ -82,7 +83,7 @@ impl Default for Server {
         Server {
             accumulator: Accumulator::new(),
             answered: None,
-            carried_out: CarriedOut::default(),
+            duplicates: DuplicateFilter::default(),
             reply: [0; MAX_FRAME],
             talk: Talk::default(),
             session: NOBODY,
@@ -142,7 +143,7 @@ impl Server {
             }
             let len = match self.answered {
                 Some((answered, len)) if answered == crc32 => len,
-                _ if of_this_boot.is_some_and(|now| self.carried_out.has(&now, crc32)) => continue,
+                _ if of_this_boot.is_some_and(|now| self.duplicates.has(&now, crc32)) => continue,
                 _ => match answer(&request, drive, damaged, &mut self.talk, &mut self.reply) {
                     Some(len) => len,
                     None => continue,
@@ -224,7 +225,7 @@ fn answer(
             body: carry_out(request, drive, damaged_frames, talk, &mut scratch),
         },
         Err(MessageError { sequence }) => {
-            Reply { sequence: (*sequence)?, body: ReplyBody::Refused(Refused::Unknown) }
+            Reply { sequence: (*sequence)?, body: ReplyBody::Refused(RequestRefusal::Unknown) }
         }
     };
     if let ReplyBody::Refused(refused) = &reply.body {

@@ -122,7 +122,7 @@ impl ConfigStore {
     #[cold]
     #[inline(never)]
     fn load_format_1<F: ReadNorFlash>(&self, flash: &mut F, record: &Record) -> Load {
-        let mut taken = Taken::new(record);
+        let mut taken = StoredConfiguration::new(record);
         let whole = self.slots.read(flash, record, |[i0, i1, v0, v1, v2, v3]| {
             taken.pair(u16::from_le_bytes([i0, i1]), i32::from_le_bytes([v0, v1, v2, v3]));
         });
@@ -167,14 +167,14 @@ impl Load {
 }
 
 /// Pairs taken over so far.
-struct Taken {
+struct StoredConfiguration {
     parameters: Parameters,
     records: MoveRecords,
     report: Report,
 }
 
-impl Taken {
-    fn new(record: &Record) -> Taken {
+impl StoredConfiguration {
+    fn new(record: &Record) -> StoredConfiguration {
         let parameters = Parameters::default();
         let report = Report {
             format: record.header.format,
@@ -183,7 +183,7 @@ impl Taken {
             other_damaged: record.other_damaged,
             ..Report::default()
         };
-        Taken { parameters, records: MoveRecords::default(), report }
+        StoredConfiguration { parameters, records: MoveRecords::default(), report }
     }
 
     #[cold]
@@ -206,7 +206,7 @@ impl Taken {
     }
 
     fn loaded(self) -> Load {
-        let Taken { parameters, mut records, mut report } = self;
+        let StoredConfiguration { parameters, mut records, mut report } = self;
         report.out_of_range = report.out_of_range.saturating_add(records.sift());
         Load { parameters, records, outcome: Outcome::Loaded(report) }
     }

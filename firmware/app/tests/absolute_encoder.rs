@@ -1,6 +1,6 @@
 //! A drive with an absolute encoder is homed when it starts, whatever was before.
 
-use crate::flash_drive::Drive;
+use crate::flash_drive::DriveWithFlash;
 use pneudrive_app::ram_flash::RamFlash;
 use pneudrive_controller::parameters::id;
 use pneudrive_controller::{Fault, Mode, Refusal};
@@ -8,18 +8,18 @@ use pneudrive_controller::{Fault, Mode, Refusal};
 /// Where the board's encoder reads 0, counts; it reads 100.
 const ZERO: i32 = -30;
 
-fn absolute() -> Drive {
-    let mut drive = Drive::with_encoder(RamFlash::default(), None, true);
+fn absolute() -> DriveWithFlash {
+    let mut drive = DriveWithFlash::with_encoder(RamFlash::default(), None, true);
     let values = [2, ZERO];
     drive.control.set_parameters(id::ENCODER_MODEL, values.into_iter()).expect("disarmed");
     drive
 }
 
-fn is_referenced(drive: &Drive) -> bool {
+fn is_referenced(drive: &DriveWithFlash) -> bool {
     drive.control.state().supervisor.is_referenced()
 }
 
-fn position(drive: &Drive) -> i32 {
+fn position(drive: &DriveWithFlash) -> i32 {
     drive.control.state().observation().position
 }
 
@@ -52,7 +52,7 @@ fn a_reference_stays_until_counts_mean_something_else() {
 
 #[test]
 fn a_board_that_counts_edges_is_not_homed_by_its_configuration() {
-    let mut drive = Drive::on(RamFlash::default());
+    let mut drive = DriveWithFlash::on(RamFlash::default());
     drive.set(id::ENCODER_MODEL, 2);
     assert!(!is_referenced(&drive));
     drive.control.save_parameters(&mut drive.board).expect("disarmed");

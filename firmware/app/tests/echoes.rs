@@ -1,12 +1,12 @@
 //! A line that is coupled into itself brings back to the rig what the rig has said. Nothing of it is a request.
 
-use crate::bench::{ARM, Bench};
+use crate::bench::{ARM, AppBench};
 use pneudrive_app::App;
 use pneudrive_controller::{Fault, Mode};
 use pneudrive_protocol::RequestBody;
 
 /// Everything that the rig says comes back to it, and what it says to that, until it says nothing.
-fn echoed(bench: &mut Bench, body: RequestBody<'_>) {
+fn echoed(bench: &mut AppBench, body: RequestBody<'_>) {
     let frame = bench.frame(body);
     let mut said = bench.send(&frame);
     for _ in 0..10 {
@@ -20,7 +20,7 @@ fn echoed(bench: &mut Bench, body: RequestBody<'_>) {
 
 #[test]
 fn an_echo_of_its_own_replies_neither_arms_nor_starts_nor_stops_a_drive() {
-    let mut bench = Bench::referenced();
+    let mut bench = AppBench::referenced();
     bench.armed(100, 1, 0);
     bench.done(RequestBody::Disarm);
     echoed(&mut bench, RequestBody::RecordInfo);
@@ -45,7 +45,7 @@ fn an_echo_of_its_own_replies_neither_arms_nor_starts_nor_stops_a_drive() {
 
 #[test]
 fn rows_that_come_back_are_not_taken_for_the_host() {
-    let mut bench = Bench::referenced();
+    let mut bench = AppBench::referenced();
     bench.board.host_clock_ms = Some(1000);
     bench.done(RequestBody::StreamBegin { every: 1, batch: 1 });
     bench.done(RequestBody::StreamGrant { until: 1000 });
@@ -70,7 +70,7 @@ fn rows_that_come_back_are_not_taken_for_the_host() {
 #[test]
 fn what_a_rig_has_said_before_a_reset_neither_arms_nor_moves_it() {
     for (name, boot) in [("no record", 7), ("no numbers of boots", 0)] {
-        let mut bench = Bench::referenced();
+        let mut bench = AppBench::referenced();
         bench.board.store.boot = boot;
         bench.boot = boot;
         let said = [RequestBody::RecordInfo, RequestBody::Boot, bench.start_request()].map(|body| {

@@ -1,6 +1,6 @@
 //! What a board keeps: a configuration through a reset, a fault through it, what was learned of the null.
 
-use crate::flash_drive::{Drive, stepper_that_has_learned};
+use crate::flash_drive::{DriveWithFlash, stepper_that_has_learned};
 use pneudrive_app::configuration::Source;
 use pneudrive_app::ram_flash::RamFlash;
 use pneudrive_app::store::Store;
@@ -23,7 +23,7 @@ fn damaged_flash() -> RamFlash {
 
 #[test]
 fn a_configuration_is_taken_up_after_a_reset_once_it_was_saved() {
-    let mut drive = Drive::on(RamFlash::default());
+    let mut drive = DriveWithFlash::on(RamFlash::default());
     assert_eq!(drive.control.configuration().source(), Source::NeverSaved);
     drive.set(id::VELOCITY_GAIN, 2000);
     assert_eq!(drive.power_cycle().get(id::VELOCITY_GAIN), 1, "not saved");
@@ -41,7 +41,7 @@ fn move_records_are_taken_up_after_a_reset_once_they_were_saved() {
     let entry = Entry::MoveRecord { number: 4, bytes: &told.to_bytes() };
     let mut room = [0; PART_BYTES];
     let change = entry.write(&mut room).expect("room");
-    let mut drive = Drive::on(RamFlash::default());
+    let mut drive = DriveWithFlash::on(RamFlash::default());
     drive.control.save_parameters(&mut drive.board).expect("disarmed");
     drive.control.take_change(change).expect("disarmed");
     assert!(!drive.control.configuration().is_saved(), "the records are not");
@@ -56,7 +56,7 @@ fn move_records_are_taken_up_after_a_reset_once_they_were_saved() {
 
 #[test]
 fn a_configuration_that_is_lost_is_a_fault_and_arms_nothing_before_one_is_saved() {
-    let mut drive = Drive::on(damaged_flash());
+    let mut drive = DriveWithFlash::on(damaged_flash());
     assert_eq!(drive.mode(), Mode::Fault(Fault::BadConfiguration));
     assert_eq!(drive.control.arm(&mut drive.board), Err(Refusal::NoConfiguration));
     drive.set(id::VELOCITY_GAIN, 2000);
@@ -68,7 +68,7 @@ fn a_configuration_that_is_lost_is_a_fault_and_arms_nothing_before_one_is_saved(
 
 #[test]
 fn each_time_that_it_is_switched_on_a_board_has_another_boot_number() {
-    let mut drive = Drive::on(RamFlash::default());
+    let mut drive = DriveWithFlash::on(RamFlash::default());
     for boot in 1..200 {
         assert_eq!(drive.board.store.boot(), boot);
         drive = drive.power_cycle();
@@ -77,7 +77,7 @@ fn each_time_that_it_is_switched_on_a_board_has_another_boot_number() {
 
 #[test]
 fn a_fault_is_logged_once_with_its_sample_and_outlives_a_power_cut_once_it_was_flushed() {
-    let mut drive = Drive::on(RamFlash::default());
+    let mut drive = DriveWithFlash::on(RamFlash::default());
     drive.control.set_referenced().expect("disarmed");
     drive.control.arm(&mut drive.board).expect("disarmed");
     drive.samples(3);
@@ -95,7 +95,7 @@ fn a_fault_is_logged_once_with_its_sample_and_outlives_a_power_cut_once_it_was_f
 
 #[test]
 fn flash_is_not_written_while_the_drive_is_enabled() {
-    let mut drive = Drive::on(RamFlash::default());
+    let mut drive = DriveWithFlash::on(RamFlash::default());
     drive.control.set_referenced().expect("disarmed");
     drive.control.stop();
     drive.samples(1);
@@ -109,7 +109,7 @@ fn flash_is_not_written_while_the_drive_is_enabled() {
 /// An erase stalls the processor, and a spool that is on its way would stay open meanwhile.
 #[test]
 fn flash_is_not_written_while_a_steppers_spool_walks_to_mid_travel() {
-    let mut drive = Drive::on(RamFlash::default());
+    let mut drive = DriveWithFlash::on(RamFlash::default());
     drive.set(id::STEPPER, 1);
     drive.set(id::OPEN_LOOP, 1);
     drive.control.at_null(&mut drive.board).expect("disarmed");
@@ -118,7 +118,7 @@ fn flash_is_not_written_while_a_steppers_spool_walks_to_mid_travel() {
     drive.control.start(&mut drive.board).expect("armed");
     drive.samples(5);
     drive.control.disarm();
-    let refused = Err(pneudrive_app::control::SaveRefused::NotNow(Refusal::ValveNotAtNull));
+    let refused = Err(pneudrive_app::control::SaveRefusal::NotNow(Refusal::ValveNotAtNull));
     assert_eq!(drive.control.save_parameters(&mut drive.board), refused);
     drive.samples(5);
     assert_eq!(drive.control.save_parameters(&mut drive.board), Ok(()));
@@ -128,7 +128,7 @@ fn flash_is_not_written_while_a_steppers_spool_walks_to_mid_travel() {
 /// the record of the run still has the parameters that it was taken with.
 #[test]
 fn what_was_learned_of_the_null_is_kept_at_the_next_arming() {
-    let mut drive = Drive::on(RamFlash::default());
+    let mut drive = DriveWithFlash::on(RamFlash::default());
     drive.control.set_referenced().expect("disarmed");
     drive.set(id::LEARNING_GAIN, 256);
     drive.control.save_parameters(&mut drive.board).expect("disarmed");

@@ -1,20 +1,20 @@
 //! Copies of requests that come after a reset of the drive: none may arm, move or change it.
 
-use crate::bench::Bench;
+use crate::bench::AppBench;
 use pneudrive_app::App;
 use pneudrive_controller::parameters::id;
 use pneudrive_controller::{Command, Mode};
 use pneudrive_protocol::{RequestBody, Values};
 
 /// A referenced drive in its first boot, and a host that means it.
-fn first_boot() -> Bench {
-    let mut bench = Bench::referenced();
+fn first_boot() -> AppBench {
+    let mut bench = AppBench::referenced();
     bench.board.store.boot = 1;
     bench.boot = 1;
     bench
 }
 
-impl Bench {
+impl AppBench {
     /// The drive begins anew, with its axis referenced.
     fn reset(&mut self) {
         *self.app = App::default();

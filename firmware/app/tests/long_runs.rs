@@ -1,14 +1,14 @@
 //! Tests that last long: longer than their microseconds can be counted, round after round, until they are stopped.
 
-use crate::bench::{ARM, Bench, change};
+use crate::bench::{ARM, AppBench, change};
 use pneudrive_controller::parameters::id;
 use pneudrive_controller::{Mode, Refusal};
 use pneudrive_protocol::change::Entry;
 use pneudrive_protocol::{RequestBody, UNTIL_STOPPED, Values};
 
 /// An open-loop drive with a sample each 20 ms, whose test has two moves.
-fn slow_bench() -> Bench {
-    let mut bench = Bench::referenced();
+fn slow_bench() -> AppBench {
+    let mut bench = AppBench::referenced();
     for (first_id, value) in [(id::PERIOD_US, 20_000), (id::OPEN_LOOP, 1)] {
         let mut room = [0; 4];
         let values = Values::fill(&mut room, [value]).expect("room");
@@ -24,7 +24,7 @@ fn test(last_sample: u32, round: u32) -> [Entry<'static>; 3] {
 }
 
 /// Samples on end, a period of this bench apart.
-fn pass(bench: &mut Bench, samples: u32) {
+fn pass(bench: &mut AppBench, samples: u32) {
     for _ in 0..samples {
         bench.board.position = 500;
         bench.samples(1);
@@ -33,7 +33,7 @@ fn pass(bench: &mut Bench, samples: u32) {
     }
 }
 
-fn setpoint(bench: &Bench) -> i32 {
+fn setpoint(bench: &AppBench) -> i32 {
     bench.app.control.state().observation().setpoint
 }
 

@@ -1,6 +1,6 @@
 //! Two hosts at one drive: the one that has armed it commands, the others read and stop.
 
-use crate::bench::Bench;
+use crate::bench::AppBench;
 use pneudrive_controller::{Command, Fault, Mode, Refusal};
 use pneudrive_protocol::{ReplyBody, RequestBody, code};
 
@@ -8,8 +8,8 @@ const ONE: u32 = 0xfeed_beef;
 const OTHER: u32 = 1007;
 
 /// A bench with a clock, whose drive the host `ONE` has armed for a test of 1000 samples.
-fn armed_by_one() -> Bench {
-    let mut bench = Bench::referenced();
+fn armed_by_one() -> AppBench {
+    let mut bench = AppBench::referenced();
     bench.board.host_clock_ms = Some(1000);
     bench.test(1000, 1, 0);
     bench.session = ONE;
@@ -17,7 +17,7 @@ fn armed_by_one() -> Bench {
     bench
 }
 
-impl Bench {
+impl AppBench {
     fn is_owned(&mut self, body: RequestBody<'_>) {
         let refused = self.ask(body);
         assert!(refused.starts_with("Refused(Owned(") && refused.contains("host: \"one\""), "{refused}");
@@ -155,7 +155,7 @@ fn an_owner_that_has_left_must_take_over_as_anybody_else() {
 
 #[test]
 fn nobody_takes_over_what_nobody_has_armed() {
-    let mut bench = Bench::referenced();
+    let mut bench = AppBench::referenced();
     bench.session = OTHER;
     bench.refused(RequestBody::TakeOver { host: "other" }, Refusal::NotArmed);
     assert_eq!(bench.mode(), Mode::Disarmed);
@@ -190,13 +190,13 @@ fn an_owner_that_leaves_while_its_drive_moves_is_missed_as_if_it_were_silent() {
 
 #[test]
 fn a_name_of_a_host_that_is_too_long_is_cut() {
-    let mut bench = Bench::referenced();
+    let mut bench = AppBench::referenced();
     bench.done(RequestBody::Arm { host: &"n".repeat(60) });
     assert!(bench.ask(RequestBody::Owner).contains(&format!("\"{}\"", "n".repeat(32))));
 }
 
 /// An armed drive of `ONE`, its run over.
-fn done_by_one() -> Bench {
+fn done_by_one() -> AppBench {
     let mut bench = armed_by_one();
     bench.done(bench.start_request());
     bench.samples(1002);

@@ -56,7 +56,7 @@ impl Stopwatch for FakeWatch {
     }
 }
 
-struct Bench {
+struct PlantLinkBench {
     control: Box<Control>,
     board: LockStep<Kept>,
     link: PlantLink<FakeLine>,
@@ -64,20 +64,26 @@ struct Bench {
     watch: FakeWatch,
 }
 
-impl Bench {
+impl PlantLinkBench {
     /// A board that has greeted once.
-    fn new() -> Bench {
+    fn new() -> PlantLinkBench {
         let (wire, watch) = (FakeLine::default(), FakeWatch(Rc::new(Cell::new(u32::MAX - 500))));
         let kept = FlashStore::take_up(RamFlash::default(), RamFlash::layout(), [0; MEMORY_BYTES]);
         let mut control = Box::<Control>::default();
         control.set_referenced().expect("disarmed");
         let link = PlantLink::new(wire.clone(), TICKS_PER_MS, &watch);
-        Bench { control, board: LockStep::new("on a line", kept.expect("it fits").0), link, wire, watch }
+        PlantLinkBench {
+            control,
+            board: LockStep::new("on a line", kept.expect("it fits").0),
+            link,
+            wire,
+            watch,
+        }
     }
 
     /// One whose hello was answered, so that it waits for inputs.
-    fn in_step() -> Bench {
-        let mut bench = Bench::new();
+    fn in_step() -> PlantLinkBench {
+        let mut bench = PlantLinkBench::new();
         bench.says(&HELLO);
         bench
     }
@@ -139,7 +145,7 @@ const PERIOD_AND_DELAY: Next = Next::Begin { period_us: 1300, delay_us: 500 };
 
 #[test]
 fn a_board_says_hello_every_200_ms_until_it_is_answered() {
-    let mut bench = Bench::new();
+    let mut bench = PlantLinkBench::new();
     assert!(bench.greets());
     bench.silence(199);
     assert_eq!(bench.said(), 1);
@@ -154,7 +160,7 @@ fn a_board_says_hello_every_200_ms_until_it_is_answered() {
 #[test]
 fn what_is_no_hello_of_this_version_is_not_answered() {
     for strange in [[b'P', b'N', b'B', HELLO[3] + 1], [0; 4]] {
-        let mut bench = Bench::new();
+        let mut bench = PlantLinkBench::new();
         bench.says(&strange);
         assert_eq!(bench.said(), 1, "{strange:?}");
         bench.silence(PATIENCE_MS);
@@ -166,7 +172,7 @@ fn what_is_no_hello_of_this_version_is_not_answered() {
 
 #[test]
 fn every_answer_of_the_plant_is_a_sample_and_leads_to_outputs() {
-    let mut bench = Bench::in_step();
+    let mut bench = PlantLinkBench::in_step();
     for position in 100..110 {
         let said = bench.said();
         bench.rod_at(position);
@@ -177,7 +183,7 @@ fn every_answer_of_the_plant_is_a_sample_and_leads_to_outputs() {
 
 #[test]
 fn half_an_answer_is_none() {
-    let mut bench = Bench::in_step();
+    let mut bench = PlantLinkBench::in_step();
     bench.says(&[7; Inputs::BYTES - 1]);
     assert_eq!(bench.said(), 2);
     assert_eq!(bench.control.state().observation().position, 0);
@@ -188,7 +194,7 @@ fn half_an_answer_is_none() {
 /// The inputs that are on their way when the start comes are those of the plant before: k = 0 must not see them.
 #[test]
 fn a_start_while_inputs_are_on_their_way_begins_before_the_next_sample() {
-    let mut bench = Bench::in_step();
+    let mut bench = PlantLinkBench::in_step();
     bench.arm();
     bench.rod_at(90);
     bench.start();
@@ -209,7 +215,7 @@ fn a_start_while_inputs_are_on_their_way_begins_before_the_next_sample() {
 
 #[test]
 fn inputs_that_were_passed_over_cost_no_time() {
-    let mut bench = Bench::in_step();
+    let mut bench = PlantLinkBench::in_step();
     bench.arm();
     (0..3).for_each(|_| bench.rod_at(100));
     bench.start();
@@ -221,7 +227,7 @@ fn inputs_that_were_passed_over_cost_no_time() {
 
 #[test]
 fn a_run_whose_plant_falls_silent_trips_within_200_ms_and_the_board_greets() {
-    let mut bench = Bench::in_step();
+    let mut bench = PlantLinkBench::in_step();
     bench.arm();
     bench.start();
     (0..5).for_each(|_| bench.rod_at(100));
@@ -242,7 +248,7 @@ fn a_run_whose_plant_falls_silent_trips_within_200_ms_and_the_board_greets() {
 
 #[test]
 fn a_disarmed_drive_whose_plant_falls_silent_is_in_no_fault() {
-    let mut bench = Bench::in_step();
+    let mut bench = PlantLinkBench::in_step();
     bench.rod_at(100);
     bench.silence(3 * PATIENCE_MS);
     assert_eq!(bench.mode(), Mode::Disarmed);
@@ -252,7 +258,7 @@ fn a_disarmed_drive_whose_plant_falls_silent_is_in_no_fault() {
 /// Nobody would ever take its first sample.
 #[test]
 fn a_run_that_is_started_without_a_plant_trips() {
-    let mut bench = Bench::new();
+    let mut bench = PlantLinkBench::new();
     bench.arm();
     bench.start();
     bench.silence(PATIENCE_MS);
@@ -261,7 +267,7 @@ fn a_run_that_is_started_without_a_plant_trips() {
 
 #[test]
 fn a_run_that_is_started_just_before_the_plant_comes_begins_with_it() {
-    let mut bench = Bench::new();
+    let mut bench = PlantLinkBench::new();
     bench.arm();
     bench.start();
     bench.says(&HELLO);

@@ -1,14 +1,14 @@
 //! What the recorder keeps of a run and of the time before it, on a scripted board.
 
-use crate::bench::{ARM, Bench};
+use crate::bench::{ARM, AppBench};
 use pneudrive_controller::Mode;
 use pneudrive_controller::parameters::id;
-use pneudrive_protocol::{Refused, ReplyBody, RequestBody, Values};
+use pneudrive_protocol::{ReplyBody, RequestBody, RequestRefusal, Values};
 
 #[test]
 fn a_chunk_is_that_of_the_record_that_is_named_or_is_refused() {
-    let mut bench = Bench::referenced();
-    let crc_of_a_run = |bench: &mut Bench| {
+    let mut bench = AppBench::referenced();
+    let crc_of_a_run = |bench: &mut AppBench| {
         bench.done(RequestBody::Disarm);
         bench.armed(9, 1, 0);
         bench.done(bench.start_request());
@@ -22,7 +22,7 @@ fn a_chunk_is_that_of_the_record_that_is_named_or_is_refused() {
     let named = |crc32| RequestBody::RecordRead { crc32, first: 2, count: 3 };
     let [first, second] = [crc_of_a_run(&mut bench), crc_of_a_run(&mut bench)];
     assert!(bench.ask(named(second)).starts_with("Chunk { first: 2, samples: ["));
-    let other = format!("{:?}", ReplyBody::Refused(Refused::OtherRecord));
+    let other = format!("{:?}", ReplyBody::Refused(RequestRefusal::OtherRecord));
     assert_eq!(bench.ask(named(first)), other, "of the run before");
     bench.done(ARM);
     assert_eq!(bench.ask(named(second)), other, "the next run has begun");
@@ -30,7 +30,7 @@ fn a_chunk_is_that_of_the_record_that_is_named_or_is_refused() {
 
 #[test]
 fn a_test_runs_from_download_to_done_and_is_recorded_from_its_first_sample() {
-    let mut bench = Bench::referenced();
+    let mut bench = AppBench::referenced();
     bench.armed(9, 1, 0);
     bench.samples(4);
     assert!(bench.board.driven[..].iter().all(|command| command.counts == 0), "armed is null");
@@ -57,7 +57,7 @@ fn a_test_runs_from_download_to_done_and_is_recorded_from_its_first_sample() {
 
 #[test]
 fn every_nth_sample_is_stored_and_the_newest_ones_before_the_start_with_their_distance() {
-    let mut bench = Bench::referenced();
+    let mut bench = AppBench::referenced();
     bench.armed(20, 3, 2);
     bench.samples(8); // stored while armed: samples 0, 3, 6 of these; 6 is two before the start
     bench.done(bench.start_request());
@@ -71,7 +71,7 @@ fn every_nth_sample_is_stored_and_the_newest_ones_before_the_start_with_their_di
 
 #[test]
 fn the_recorder_stops_when_it_is_full() {
-    let mut bench = Bench::referenced();
+    let mut bench = AppBench::referenced();
     bench.done(RequestBody::ConfigSet {
         first_id: id::POSITION_MAX_COUNTS,
         values: Values::fill(&mut [0; 4], [1_000_000]).expect("room"),
@@ -87,7 +87,7 @@ fn the_recorder_stops_when_it_is_full() {
 
 #[test]
 fn chunks_can_be_asked_for_again_and_beyond_the_end_is_refused() {
-    let mut bench = Bench::referenced();
+    let mut bench = AppBench::referenced();
     let none = bench.read(0, 1);
     assert_eq!(bench.ask(none), "Refused(NoRecord)");
     bench.armed(39, 1, 0);
@@ -103,7 +103,7 @@ fn chunks_can_be_asked_for_again_and_beyond_the_end_is_refused() {
 
 #[test]
 fn the_sample_period_is_measured_by_the_board() {
-    let mut bench = Bench::referenced();
+    let mut bench = AppBench::referenced();
     bench.armed(100, 1, 0);
     bench.done(bench.start_request());
     bench.samples(1);
@@ -116,7 +116,7 @@ fn the_sample_period_is_measured_by_the_board() {
 
 #[test]
 fn a_start_between_a_sample_and_its_output_does_not_lose_that_sample() {
-    let mut bench = Bench::referenced();
+    let mut bench = AppBench::referenced();
     bench.armed(9, 1, 2);
     bench.samples(4);
     bench.app.control.on_sample(&mut bench.board);
@@ -132,7 +132,7 @@ fn a_start_between_a_sample_and_its_output_does_not_lose_that_sample() {
 
 #[test]
 fn samples_from_before_the_start_have_the_origin_that_the_homing_run_found() {
-    let mut bench = Bench::referenced();
+    let mut bench = AppBench::referenced();
     bench.armed(9, 1, 4);
     bench.samples(6);
     bench.done(RequestBody::Home);

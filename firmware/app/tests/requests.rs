@@ -1,16 +1,16 @@
 //! Every request with its reply, on a scripted board.
 
-use crate::bench::{ARM, Bench};
+use crate::bench::{ARM, AppBench};
 use pneudrive_controller::parameters::{TABLE, id};
 use pneudrive_controller::{Command, Fault, Mode, Refusal};
 use pneudrive_protocol::change::Entry;
 use pneudrive_protocol::{
-    Accumulator, MAX_FRAME, MAX_VALUES, Refused, ReplyBody, RequestBody, Values, decode_reply,
+    Accumulator, MAX_FRAME, MAX_VALUES, ReplyBody, RequestBody, RequestRefusal, Values, decode_reply,
 };
 
 #[test]
 fn a_new_rig_is_disarmed_with_the_valve_at_null() {
-    let mut bench = Bench::default();
+    let mut bench = AppBench::default();
     bench.samples(3);
     assert_eq!(bench.board.driven, [Command::OFF; 3]);
     let status = bench.ask(RequestBody::Status);
@@ -21,7 +21,7 @@ fn a_new_rig_is_disarmed_with_the_valve_at_null() {
 
 #[test]
 fn an_arm_that_comes_late_a_second_time_does_not_follow_on_the_disarm() {
-    let mut bench = Bench::referenced();
+    let mut bench = AppBench::referenced();
     let [arm, disarm] = [ARM, RequestBody::Disarm].map(|body| bench.frame(body));
     let answer = bench.send(&arm);
     assert_eq!(bench.send(&arm), answer, "its reply was lost: it is answered again");
@@ -39,7 +39,7 @@ fn an_arm_that_comes_late_a_second_time_does_not_follow_on_the_disarm() {
 
 #[test]
 fn a_disarm_with_the_number_of_an_earlier_one_is_carried_out_when_the_numbers_have_come_round() {
-    let mut bench = Bench::referenced();
+    let mut bench = AppBench::referenced();
     bench.done(RequestBody::Disarm);
     let number = bench.sequence;
     bench.done(ARM);
@@ -53,7 +53,7 @@ fn a_disarm_with_the_number_of_an_earlier_one_is_carried_out_when_the_numbers_ha
 
 #[test]
 fn what_only_reads_is_answered_as_often_as_it_is_asked() {
-    let mut bench = Bench::referenced();
+    let mut bench = AppBench::referenced();
     let [status, motion] = [RequestBody::Status, RequestBody::Motion].map(|body| bench.frame(body));
     let [first, second] = [bench.send(&status), bench.send(&motion)];
     assert_eq!([bench.send(&status), bench.send(&motion)], [first, second]);
@@ -61,7 +61,7 @@ fn what_only_reads_is_answered_as_often_as_it_is_asked() {
 
 #[test]
 fn closed_loop_is_refused_before_the_axis_is_referenced() {
-    let mut bench = Bench::default();
+    let mut bench = AppBench::default();
     bench.armed(9, 1, 0);
     bench.refused(bench.start_request(), Refusal::NotReferenced);
     assert_eq!(bench.mode(), Mode::Armed);
@@ -69,7 +69,7 @@ fn closed_loop_is_refused_before_the_axis_is_referenced() {
 
 #[test]
 fn a_request_that_comes_twice_is_carried_out_once_and_answered_twice() {
-    let mut bench = Bench::referenced();
+    let mut bench = AppBench::referenced();
     bench.armed(9, 1, 0);
     let frame = bench.frame(bench.start_request());
     assert_eq!(bench.send(&frame), bench.send(&frame), "not refused as running already");
@@ -77,13 +77,13 @@ fn a_request_that_comes_twice_is_carried_out_once_and_answered_twice() {
 
 #[test]
 fn parameters_change_all_or_none_and_only_while_disarmed() {
-    let mut bench = Bench::referenced();
+    let mut bench = AppBench::referenced();
     let set = |first_id, values: &[i32]| -> (u16, Vec<u8>) {
         let mut room = [0; 4 * MAX_VALUES];
         Values::fill(&mut room, values.iter().copied()).expect("room");
         (first_id, room[..4 * values.len()].to_vec())
     };
-    let ask_set = |bench: &mut Bench, first_id, values: &[i32]| {
+    let ask_set = |bench: &mut AppBench, first_id, values: &[i32]| {
         let (first_id, bytes) = set(first_id, values);
         bench.ask(RequestBody::ConfigSet { first_id, values: Values::new(&bytes).expect("whole") })
     };
@@ -111,7 +111,7 @@ fn parameters_change_all_or_none_and_only_while_disarmed() {
 
 #[test]
 fn nothing_starts_that_is_not_armed_or_has_no_moves() {
-    let mut bench = Bench::referenced();
+    let mut bench = AppBench::referenced();
     bench.done(ARM);
     bench.refused(bench.start_request(), Refusal::NoMoves);
     bench.done(RequestBody::Disarm);
@@ -123,7 +123,7 @@ fn nothing_starts_that_is_not_armed_or_has_no_moves() {
 
 #[test]
 fn noise_between_requests_costs_nothing_but_the_count_of_damaged_frames() {
-    let mut bench = Bench::referenced();
+    let mut bench = AppBench::referenced();
     let noise: Vec<u8> = (0..200u16).map(|i| (i * 37 % 251) as u8).chain([0]).collect();
     bench.send(&noise);
     assert!(bench.ask(RequestBody::Status).contains("damaged_frames: "));
@@ -132,7 +132,7 @@ fn noise_between_requests_costs_nothing_but_the_count_of_damaged_frames() {
 
 #[test]
 fn a_request_of_a_later_version_is_answered_as_unknown() {
-    let mut bench = Bench::default();
+    let mut bench = AppBench::default();
     let mut frame = [0; MAX_FRAME];
     let later = [5, 0x80, 0x01, 0, 99, 1, 2, 3];
     let frame = pneudrive_protocol::frame::encode(&later, &mut frame).expect("fits").to_vec();
@@ -141,12 +141,12 @@ fn a_request_of_a_later_version_is_answered_as_unknown() {
     let message = reply.iter().find_map(|&byte| accumulator.push(byte).map(|m| m.expect("whole").to_vec()));
     let message = message.expect("a reply");
     let reply = decode_reply(&message).expect("a reply");
-    assert_eq!((reply.sequence, reply.body), (5, ReplyBody::Refused(Refused::Unknown)));
+    assert_eq!((reply.sequence, reply.body), (5, ReplyBody::Refused(RequestRefusal::Unknown)));
 }
 
 #[test]
 fn names_of_tests_are_cut_at_a_character() {
-    let mut bench = Bench::referenced();
+    let mut bench = AppBench::referenced();
     let name = "e".repeat(31) + "\u{e9}";
     bench.takes(&[Entry::Test { name: &name, last_sample: 1, round: 0, decimation: 1, pre_trigger: 0 }]);
     assert_eq!(bench.app.control.test().name(), "e".repeat(31));
@@ -154,11 +154,11 @@ fn names_of_tests_are_cut_at_a_character() {
 
 #[test]
 fn a_reference_sets_the_counter_and_a_new_encoder_takes_the_reference_away() {
-    let mut bench = Bench::default();
+    let mut bench = AppBench::default();
     bench.done(RequestBody::Reference { position_counts: 4000 });
     bench.samples(1);
     assert!(bench.ask(RequestBody::Status).contains("position: 4003"));
-    let set = |bench: &mut Bench, id, value: i32| {
+    let set = |bench: &mut AppBench, id, value: i32| {
         let mut room = [0; 4];
         bench.done(RequestBody::ConfigSet {
             first_id: id,
@@ -173,7 +173,7 @@ fn a_reference_sets_the_counter_and_a_new_encoder_takes_the_reference_away() {
 
 #[test]
 fn a_new_timing_takes_the_moves_with_it_and_a_change_the_record() {
-    let mut bench = Bench::referenced();
+    let mut bench = AppBench::referenced();
     bench.armed(9, 1, 0);
     bench.done(bench.start_request());
     bench.samples(11);

@@ -1,6 +1,6 @@
 //! The control goes on between the pieces of a request: what a request reads is of one state, and what it changes is whole.
 
-use crate::bench::{ARM, Bench, FakeBoard};
+use crate::bench::{ARM, AppBench, FakeBoard};
 use pneudrive_app::{Control, Recorder, SharedDrive};
 use pneudrive_controller::parameters::id;
 use pneudrive_controller::{Config, Mode};
@@ -28,21 +28,21 @@ impl SharedDrive for Interrupted<'_> {
 }
 
 /// The replies to a request between whose pieces samples come, and how many pieces it has.
-fn interrupted(bench: &mut Bench, body: RequestBody<'_>) -> (Vec<u8>, u32) {
+fn interrupted(bench: &mut AppBench, body: RequestBody<'_>) -> (Vec<u8>, u32) {
     let (frame, mut replies) = (bench.frame(body), Vec::new());
     let mut drive = Interrupted { control: &mut bench.app.control, board: &mut bench.board, pieces: 0 };
     let Ok(()) = bench.app.server.receive_beside(&frame, &mut drive, &mut replies);
     (replies, drive.pieces)
 }
 
-fn set(bench: &mut Bench, first_id: u16, value: i32) {
+fn set(bench: &mut AppBench, first_id: u16, value: i32) {
     let mut room = [0; 4];
     bench.done(RequestBody::ConfigSet { first_id, values: Values::fill(&mut room, [value]).expect("room") });
 }
 
 /// A drive that has run and holds.
-fn holding(samples: u32) -> Bench {
-    let mut bench = Bench::referenced();
+fn holding(samples: u32) -> AppBench {
+    let mut bench = AppBench::referenced();
     bench.board.stands = true;
     bench.armed(samples, 1, 0);
     bench.done(bench.start_request());
@@ -71,7 +71,7 @@ fn a_record_and_parameters_are_read_between_samples_as_without_them() {
 /// What was learned is prepared in a piece and put in force in another.
 #[test]
 fn an_arm_between_samples_puts_in_force_what_was_learned_and_nothing_else() {
-    let mut bench = Bench::referenced();
+    let mut bench = AppBench::referenced();
     set(&mut bench, id::LEARNING_GAIN, 256);
     bench.board.stands = true;
     let test = Entry::Test { name: "learn", last_sample: 9, round: 0, decimation: 1, pre_trigger: 0 };
@@ -96,7 +96,7 @@ fn an_arm_between_samples_puts_in_force_what_was_learned_and_nothing_else() {
 
 #[test]
 fn a_stop_takes_effect_at_the_output_behind_its_piece() {
-    let mut bench = Bench::referenced();
+    let mut bench = AppBench::referenced();
     bench.armed(100, 1, 0);
     bench.done(bench.start_request());
     bench.samples(3);

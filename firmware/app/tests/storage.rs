@@ -32,20 +32,20 @@ const FORMAT_1: [u8; 48] = [
     0x1b, 0x95, 0xdc, 0x9c,
 ];
 
-struct Bench {
+struct StorageBench {
     flash: Nor,
     store: ConfigStore,
 }
 
-impl Bench {
-    fn blank() -> Bench {
+impl StorageBench {
+    fn blank() -> StorageBench {
         let flash = Nor::new(12);
         let store = ConfigStore::new(&flash, SLOTS).expect("room for two");
-        Bench { flash, store }
+        StorageBench { flash, store }
     }
 
-    fn with_saved(configurations: &[&Parameters]) -> Bench {
-        let mut bench = Bench::blank();
+    fn with_saved(configurations: &[&Parameters]) -> StorageBench {
+        let mut bench = StorageBench::blank();
         for parameters in configurations {
             bench.save(parameters);
         }
@@ -92,7 +92,7 @@ fn record_bytes() -> u32 {
 
 #[test]
 fn a_blank_flash_was_never_saved_to_and_gives_the_defaults() {
-    let load = Bench::blank().load();
+    let load = StorageBench::blank().load();
     assert_eq!(
         load,
         Load {
@@ -107,7 +107,7 @@ fn a_blank_flash_was_never_saved_to_and_gives_the_defaults() {
 /// Nobody can tell such a word from one that was never programmed, and the hardware takes it as one.
 #[test]
 fn words_that_were_programmed_to_all_ones_are_still_blank_and_take_the_first_save() {
-    let mut bench = Bench::blank();
+    let mut bench = StorageBench::blank();
     bench.flash.put(0, &[0xff]);
     bench.flash.write(8, &[0xff; 32]).expect("power");
     assert_eq!(bench.load().outcome, Outcome::NeverSaved);
@@ -126,7 +126,7 @@ fn the_flash_of_these_tests_does_not_let_a_word_with_a_zero_in_it_be_written_twi
 
 #[test]
 fn what_was_saved_last_is_loaded() {
-    let mut bench = Bench::blank();
+    let mut bench = StorageBench::blank();
     for generation in 1..=7 {
         let parameters = with_gain(generation as i32);
         assert_eq!(bench.save(&parameters), generation);
@@ -139,7 +139,7 @@ fn what_was_saved_last_is_loaded() {
 #[test]
 fn a_saved_configuration_has_the_layout_of_format_1() {
     let parameters = with_gain(77);
-    let bench = Bench::with_saved(&[&parameters]);
+    let bench = StorageBench::with_saved(&[&parameters]);
     let entries: Vec<_> = parameters.iter().map(pair).collect();
     let expected = record(b"PDcf", 1, 6, 1, &entries);
     assert_eq!(bench.flash.bytes[..expected.len()], expected);
@@ -149,7 +149,7 @@ fn a_saved_configuration_has_the_layout_of_format_1() {
 
 #[test]
 fn the_bytes_of_format_1_are_read_for_ever() {
-    let mut bench = Bench::blank();
+    let mut bench = StorageBench::blank();
     bench.flash.put(SLOTS[1].start, &FORMAT_1);
     let (loaded, report) = bench.loaded();
     let mut expected = with_gain(1000);
@@ -175,7 +175,7 @@ fn ids_that_an_earlier_program_did_not_have_keep_their_defaults() {
     newest.iter().for_each(|p| earlier.set(p.id, p.max).expect("in range"));
     let has = |&(id, _): &(u16, i32)| newest.iter().all(|p| p.id != id);
     let entries: Vec<_> = earlier.iter().filter(has).map(pair).collect();
-    let mut bench = Bench::blank();
+    let mut bench = StorageBench::blank();
     bench.flash.put(0, &record(b"PDcf", 1, 6, 9, &entries));
     let (loaded, report) = bench.loaded();
     assert_eq!(loaded, with_gain(500));
@@ -186,7 +186,7 @@ fn ids_that_an_earlier_program_did_not_have_keep_their_defaults() {
 
 #[test]
 fn a_configuration_of_a_later_format_is_neither_loaded_nor_taken_for_damage() {
-    let mut bench = Bench::with_saved(&[&with_gain(3)]);
+    let mut bench = StorageBench::with_saved(&[&with_gain(3)]);
     bench.flash.put(SLOTS[1].start, &record(b"PDcf", 2, 7, 2, &[vec![1; 7], vec![2; 7]]));
     let load = bench.load();
     assert_eq!(
@@ -204,14 +204,14 @@ fn a_configuration_of_a_later_format_is_neither_loaded_nor_taken_for_damage() {
 
 #[test]
 fn a_record_of_another_kind_is_not_a_configuration() {
-    let mut bench = Bench::with_saved(&[&with_gain(1), &with_gain(2)]);
+    let mut bench = StorageBench::with_saved(&[&with_gain(1), &with_gain(2)]);
     bench.flash.put(SLOTS[0].start, &record(b"PDfl", 1, 6, 99, &[vec![0; 6]]));
     assert_eq!(bench.loaded().0, with_gain(2));
 }
 
 #[test]
 fn any_flipped_bit_of_the_newest_record_brings_back_the_one_before() {
-    let mut bench = Bench::with_saved(&[&with_gain(1), &with_gain(2)]);
+    let mut bench = StorageBench::with_saved(&[&with_gain(1), &with_gain(2)]);
     let expected = Report { format: 1, generation: 1, other_damaged: true, ..Report::default() };
     for (byte, bit) in (SLOT..SLOT + record_bytes()).flat_map(|byte| (0..8).map(move |bit| (byte, bit))) {
         bench.flip(byte, bit);
@@ -222,7 +222,7 @@ fn any_flipped_bit_of_the_newest_record_brings_back_the_one_before() {
 
 #[test]
 fn a_flipped_bit_beside_the_record_changes_nothing() {
-    let mut bench = Bench::with_saved(&[&with_gain(1), &with_gain(2)]);
+    let mut bench = StorageBench::with_saved(&[&with_gain(1), &with_gain(2)]);
     for byte in SLOT + record_bytes()..2 * SLOT {
         bench.flip(byte, byte % 8);
         assert_eq!(bench.loaded().0, with_gain(2), "byte {byte}");
@@ -232,7 +232,7 @@ fn a_flipped_bit_beside_the_record_changes_nothing() {
 
 #[test]
 fn two_damaged_slots_are_reported_and_trip() {
-    let mut bench = Bench::with_saved(&[&with_gain(1), &with_gain(2)]);
+    let mut bench = StorageBench::with_saved(&[&with_gain(1), &with_gain(2)]);
     bench.flip(20, 0);
     bench.flip(SLOT + 20, 0);
     let load = bench.load();
@@ -250,7 +250,7 @@ fn two_damaged_slots_are_reported_and_trip() {
 #[test]
 fn damage_of_the_only_configuration_is_not_taken_for_a_blank_flash() {
     for byte in 0..record_bytes() {
-        let mut bench = Bench::with_saved(&[&with_gain(1)]);
+        let mut bench = StorageBench::with_saved(&[&with_gain(1)]);
         bench.flip(byte, byte % 8);
         assert_eq!(bench.load().outcome, Outcome::Damaged, "byte {byte}");
     }
@@ -258,7 +258,7 @@ fn damage_of_the_only_configuration_is_not_taken_for_a_blank_flash() {
 
 #[test]
 fn a_save_heals_damage() {
-    let mut bench = Bench::with_saved(&[&with_gain(1), &with_gain(2)]);
+    let mut bench = StorageBench::with_saved(&[&with_gain(1), &with_gain(2)]);
     bench.flip(20, 0);
     bench.flip(SLOT + 20, 0);
     bench.save(&with_gain(3));
@@ -270,7 +270,7 @@ fn a_save_heals_damage() {
 
 #[test]
 fn bytes_that_the_flash_can_not_read_count_as_damage() {
-    let mut bench = Bench::with_saved(&[&with_gain(1), &with_gain(2)]);
+    let mut bench = StorageBench::with_saved(&[&with_gain(1), &with_gain(2)]);
     bench.flash.unreadable = SLOT + 100..SLOT + 101;
     let (loaded, report) = bench.loaded();
     assert_eq!((loaded, report.other_damaged), (with_gain(1), true));
@@ -280,7 +280,7 @@ fn bytes_that_the_flash_can_not_read_count_as_damage() {
 
 #[test]
 fn a_word_that_does_not_hold_what_was_written_fails_the_save_and_keeps_the_configuration() {
-    let mut bench = Bench::with_saved(&[&with_gain(1)]);
+    let mut bench = StorageBench::with_saved(&[&with_gain(1)]);
     bench.flash.unreadable = SLOT + 100..SLOT + 101;
     assert_eq!(
         bench.store.save(&mut bench.flash, &with_gain(2), &MoveRecords::default()),
@@ -293,7 +293,7 @@ fn a_word_that_does_not_hold_what_was_written_fails_the_save_and_keeps_the_confi
 
 #[test]
 fn wear_alternates_between_the_slots() {
-    let mut bench = Bench::blank();
+    let mut bench = StorageBench::blank();
     (0..101).for_each(|gain| {
         bench.save(&with_gain(gain));
     });
@@ -304,7 +304,7 @@ fn wear_alternates_between_the_slots() {
 
 #[test]
 fn the_newest_configuration_is_found_across_the_wrap_of_the_generation() {
-    let mut bench = Bench::blank();
+    let mut bench = StorageBench::blank();
     let entries: Vec<_> = with_gain(0).iter().map(pair).collect();
     bench.flash.put(0, &record(b"PDcf", 1, 6, u32::MAX - 3, &entries));
     for step in 0..8_u32 {
@@ -336,7 +336,7 @@ fn records_are_pairs_beside_the_parameters_and_come_back() {
     let told = ProfiledMove { at_sample: 9, target: -7, kind: 1, numbers: [300, 50, 7, 0, 0, 0] };
     let mut records = MoveRecords::default();
     records.put(2, told).expect("a place");
-    let mut bench = Bench::blank();
+    let mut bench = StorageBench::blank();
     bench.store.save(&mut bench.flash, &with_gain(3), &records).expect("saved");
     let bytes: Vec<u8> = records.pairs().flat_map(pair).collect();
     assert_eq!(bytes[..12], [0x20, 0x80, 9, 0, 0, 0, 0x21, 0x80, 0xf9, 0xff, 0xff, 0xff]);
@@ -365,14 +365,14 @@ proptest! {
         for (index, value) in changes {
             let _ = parameters.set(*index.get(&ids), value);
         }
-        prop_assert_eq!(Bench::with_saved(&[&parameters]).loaded().0, parameters);
+        prop_assert_eq!(StorageBench::with_saved(&[&parameters]).loaded().0, parameters);
     }
 
     #[test]
     fn any_pairs_are_loaded_or_counted(
         pairs in prop::collection::btree_map(any::<u16>().prop_filter("of no move record", |id| id >> 8 != 0x80), any::<i32>(), 0..200),
     ) {
-        let mut bench = Bench::blank();
+        let mut bench = StorageBench::blank();
         let entries: Vec<_> = pairs.clone().into_iter().map(pair).collect();
         bench.flash.put(0, &record(b"PDcf", 1, 6, 1, &entries));
         let mut expected = Parameters::default();
@@ -388,7 +388,7 @@ proptest! {
         bytes in prop::collection::vec(any::<u8>(), 0..200),
         header in any::<bool>(),
     ) {
-        let mut bench = Bench::blank();
+        let mut bench = StorageBench::blank();
         bench.flash.put(0, &[if header { &b"PDcf"[..] } else { &[] }, &bytes].concat());
         prop_assert_eq!(bench.load().outcome, Outcome::NeverSaved, "no seal");
         bench.save(&with_gain(1));

@@ -16,16 +16,16 @@ const SLOTS: [Range<u32>; 2] = [0..SLOT, SLOT..2 * SLOT];
 type Start = Result<i32, Outcome>;
 
 #[derive(Clone)]
-struct Drive<const WRITE: usize> {
+struct PowerCutBench<const WRITE: usize> {
     flash: Flash<WRITE>,
     store: ConfigStore,
 }
 
-impl<const WRITE: usize> Drive<WRITE> {
+impl<const WRITE: usize> PowerCutBench<WRITE> {
     fn new() -> Self {
         let flash = Flash::new(12);
         let store = ConfigStore::new(&flash, SLOTS).expect("room for two");
-        Drive { flash, store }
+        PowerCutBench { flash, store }
     }
 
     /// One whose saves are numbered from here on.
@@ -100,16 +100,16 @@ fn with_gain(gain: i32) -> Parameters {
 
 /// The first save, the ones after it, across the wrap, and onto a damaged slot.
 fn cut_every_kind_of_save<const WRITE: usize>() {
-    let lost = Drive::<WRITE>::new().saved(1).saved(2).damaged(20).damaged(SLOT + 20);
-    let only_lost = Drive::<WRITE>::new().saved(1).damaged(20);
+    let lost = PowerCutBench::<WRITE>::new().saved(1).saved(2).damaged(20).damaged(SLOT + 20);
+    let only_lost = PowerCutBench::<WRITE>::new().saved(1).damaged(20);
     let points = [
-        Drive::<WRITE>::new().cut_everywhere(Err(Outcome::NeverSaved)),
-        Drive::<WRITE>::new().saved(1).cut_everywhere(Ok(1)),
-        Drive::<WRITE>::new().saved(1).saved(2).cut_everywhere(Ok(2)),
-        Drive::<WRITE>::at_generation(u32::MAX, 1).cut_everywhere(Ok(1)),
-        Drive::<WRITE>::at_generation(u32::MAX - 1, 1).saved(2).cut_everywhere(Ok(2)),
-        Drive::<WRITE>::new().saved(1).saved(2).damaged(20).cut_everywhere(Ok(2)),
-        Drive::<WRITE>::new().saved(1).saved(2).damaged(SLOT + 20).cut_everywhere(Ok(1)),
+        PowerCutBench::<WRITE>::new().cut_everywhere(Err(Outcome::NeverSaved)),
+        PowerCutBench::<WRITE>::new().saved(1).cut_everywhere(Ok(1)),
+        PowerCutBench::<WRITE>::new().saved(1).saved(2).cut_everywhere(Ok(2)),
+        PowerCutBench::<WRITE>::at_generation(u32::MAX, 1).cut_everywhere(Ok(1)),
+        PowerCutBench::<WRITE>::at_generation(u32::MAX - 1, 1).saved(2).cut_everywhere(Ok(2)),
+        PowerCutBench::<WRITE>::new().saved(1).saved(2).damaged(20).cut_everywhere(Ok(2)),
+        PowerCutBench::<WRITE>::new().saved(1).saved(2).damaged(SLOT + 20).cut_everywhere(Ok(1)),
         lost.cut_everywhere(Err(Outcome::Damaged)),
         only_lost.cut_everywhere(Err(Outcome::Damaged)),
     ];
@@ -118,7 +118,7 @@ fn cut_every_kind_of_save<const WRITE: usize>() {
 
 #[test]
 fn a_power_cut_leaves_the_old_or_the_new_configuration_with_words_of_1_byte() {
-    let drive = Drive::<1>::new();
+    let drive = PowerCutBench::<1>::new();
     let points = drive.cut_everywhere(Err(Outcome::NeverSaved));
     println!("{} power cuts with words of 1 byte", points + drive.saved(1).saved(2).cut_everywhere(Ok(2)));
 }
@@ -140,7 +140,7 @@ fn a_power_cut_leaves_the_old_or_the_new_configuration_with_words_of_32_bytes() 
 
 #[test]
 fn a_second_cut_after_a_cut_first_save_still_finds_a_drive_that_was_never_saved() {
-    let blank = Drive::<32>::new();
+    let blank = PowerCutBench::<32>::new();
     for tear in TEARS {
         for operation in [0, 1, 30, blank.operations() - 2] {
             let mut once = blank.clone().cut(1, operation, tear);
@@ -152,7 +152,7 @@ fn a_second_cut_after_a_cut_first_save_still_finds_a_drive_that_was_never_saved(
 
 #[test]
 fn the_new_configuration_holds_from_its_last_word_on() {
-    let drive = Drive::<8>::new().saved(1);
+    let drive = PowerCutBench::<8>::new().saved(1);
     let seal_words = 32 / 8;
     let last = drive.operations() - seal_words;
     assert_eq!(drive.clone().cut(NEW, last - 1, Tear::Untouched).start(), Ok(1));
@@ -177,7 +177,7 @@ proptest! {
         generation in (0_u32..40).prop_map(|back| u32::MAX - back),
         saves in prop::collection::vec((0_usize..400, tear()), 1..60),
     ) {
-        let mut drive = Drive::<8>::at_generation(generation, 0);
+        let mut drive = PowerCutBench::<8>::at_generation(generation, 0);
         let mut old = Ok(0);
         for (gain, (operation, tear)) in (1..).zip(saves) {
             drive = drive.cut(gain, operation, tear);

@@ -1,6 +1,6 @@
 //! Parameters and a test are taken whole or not at all, and a start names them.
 
-use crate::bench::{Bench, change};
+use crate::bench::{AppBench, change};
 use pneudrive_controller::parameters::id;
 use pneudrive_controller::{Mode, Refusal};
 use pneudrive_protocol::change::{Entry, start_crc32, test_crc32};
@@ -25,10 +25,10 @@ fn parameters(first_id: u16, values: &[i32]) -> Vec<u8> {
     change(&[Entry::Parameters { first_id, values }])
 }
 
-impl Bench {
+impl AppBench {
     /// A referenced bench, asked by this host.
-    fn of(session: u32) -> Bench {
-        Bench { session, ..Bench::referenced() }
+    fn of(session: u32) -> AppBench {
+        AppBench { session, ..AppBench::referenced() }
     }
 
     fn start_of(&mut self, change: &[u8]) -> String {
@@ -48,7 +48,7 @@ impl Bench {
 
 #[test]
 fn parameters_and_test_are_taken_together_and_run() {
-    let mut bench = Bench::of(ONE);
+    let mut bench = AppBench::of(ONE);
     let whole = [parameters(id::VELOCITY_GAIN, &[77]), change(&[TEST, FIRST, SECOND])].concat();
     assert_eq!(bench.take(&whole), "Done");
     assert_eq!((bench.gain(), bench.test_is()), (77, ("whole", 100, 2)));
@@ -75,13 +75,13 @@ fn of_a_change_that_is_wrong_anywhere_nothing_is_taken() {
         (vec![0, 1, 3, 1, 2, 3], "Unknown"),
     ];
     for (wrong, refused) in cases {
-        let mut bench = Bench::of(ONE);
+        let mut bench = AppBench::of(ONE);
         let before = bench.gain();
         let reply = bench.take(&[&good[..], &wrong].concat());
         assert!(reply.starts_with("Refused(") && reply.contains(refused), "{reply}, not {refused}");
         assert_eq!((bench.gain(), bench.test_is()), (before, ("", 0, 0)), "{refused}");
     }
-    let mut bench = Bench::of(ONE);
+    let mut bench = AppBench::of(ONE);
     assert_eq!(bench.take(&change(&[FIRST])), "Refused(Unknown)", "moves of no test");
     assert_eq!(bench.take(&change(&[test_of("long", UNTIL_STOPPED + 1)])), "Refused(TestTooLong)");
     let repeats = Entry::Test { name: "r", last_sample: 9, round: 4, decimation: 1, pre_trigger: 0 };
@@ -95,7 +95,7 @@ fn of_a_change_that_is_wrong_anywhere_nothing_is_taken() {
 /// Found by the fuzzer: behind the last id the firmware counted on.
 #[test]
 fn a_parameter_of_the_last_id_that_can_be_sent_is_refused_as_any_unknown_one() {
-    let mut bench = Bench::of(ONE);
+    let mut bench = AppBench::of(ONE);
     for (first_id, values) in [(u16::MAX, &[1][..]), (u16::MAX, &[1, 2]), (u16::MAX - 1, &[1, 2, 3])] {
         let refused = bench.take(&parameters(first_id, values));
         assert_eq!(refused, format!("Refused(UnknownParameter {{ id: {first_id} }})"));
@@ -104,7 +104,7 @@ fn a_parameter_of_the_last_id_that_can_be_sent_is_refused_as_any_unknown_one() {
 
 #[test]
 fn a_change_is_taken_only_once_all_its_parts_have_come() {
-    let mut bench = Bench::of(ONE);
+    let mut bench = AppBench::of(ONE);
     let whole = change(&[TEST, FIRST, SECOND]);
     let crc32 = frame::crc32(&whole);
     let part = |range: std::ops::Range<usize>| RequestBody::ChangePart {
@@ -125,7 +125,7 @@ fn a_change_is_taken_only_once_all_its_parts_have_come() {
 
 #[test]
 fn nothing_is_taken_by_an_enabled_drive() {
-    let mut bench = Bench::of(ONE);
+    let mut bench = AppBench::of(ONE);
     bench.done(RequestBody::Arm { host: "one" });
     let refused = format!("Refused(NotNow({}))", Refusal::NotDisarmed.code());
     assert_eq!(bench.take(&change(&[TEST, FIRST])), refused);
@@ -136,9 +136,9 @@ fn nothing_is_taken_by_an_enabled_drive() {
 fn what_another_host_has_changed_meanwhile_does_not_start() {
     let [mine, theirs] = [change(&[TEST, FIRST, SECOND]), change(&[TEST, FIRST])];
     let gain = parameters(id::VELOCITY_GAIN, &[9]);
-    let hash = |bench: &Bench| bench.app.control.configuration().hash();
+    let hash = |bench: &AppBench| bench.app.control.configuration().hash();
     for other in [&theirs, &gain] {
-        let mut bench = Bench::of(ONE);
+        let mut bench = AppBench::of(ONE);
         assert_eq!(bench.take(&mine), "Done");
         let meant = start_crc32(test_crc32(&mine), hash(&bench));
         bench.session = OTHER;
@@ -152,7 +152,7 @@ fn what_another_host_has_changed_meanwhile_does_not_start() {
 
 #[test]
 fn a_change_of_parameters_alone_leaves_a_test_that_still_means_the_same() {
-    let mut bench = Bench::of(ONE);
+    let mut bench = AppBench::of(ONE);
     assert_eq!(bench.take(&change(&[TEST, FIRST, SECOND])), "Done");
     assert_eq!(bench.take(&parameters(id::VELOCITY_GAIN, &[3])), "Done");
     assert_eq!(bench.test_is(), ("whole", 100, 2));
@@ -167,12 +167,12 @@ fn record(target: i32, kind: u8) -> [u8; ProfiledMove::BYTES] {
 
 #[test]
 fn a_table_of_records_is_taken_whole_or_not_at_all_and_leaves_the_test_alone() {
-    let mut bench = Bench::of(ONE);
+    let mut bench = AppBench::of(ONE);
     bench.take(&change(&[TEST, FIRST]));
     let [one, two, none, of_no_kind] = [record(100, 0), record(200, 1), record(0, NO_MOVE), record(1, 9)];
     let put = |number, bytes| Entry::MoveRecord { number, bytes };
     assert_eq!(bench.take(&change(&[put(1, &one), put(14, &two)])), "Done");
-    let target = |bench: &Bench, number| {
+    let target = |bench: &AppBench, number| {
         let records = bench.app.control.configuration().records();
         records.get(number).map(|record| (record.next.target, record.dwell))
     };
@@ -190,9 +190,9 @@ fn a_table_of_records_is_taken_whole_or_not_at_all_and_leaves_the_test_alone() {
 
 #[test]
 fn the_table_is_read_from_any_number_on() {
-    let mut bench = Bench::of(ONE);
+    let mut bench = AppBench::of(ONE);
     bench.take(&change(&[Entry::MoveRecord { number: 14, bytes: &record(7, 1) }]));
-    let from = |first: u8, bench: &mut Bench| bench.ask(RequestBody::MoveRecordsRead { first });
+    let from = |first: u8, bench: &mut AppBench| bench.ask(RequestBody::MoveRecordsRead { first });
     assert_eq!(from(1, &mut bench).matches("255").count(), 12, "as many as a message carries, all empty");
     let told = from(14, &mut bench);
     assert!(told.starts_with("MoveRecords { first: 14, records: [9, 0, 0, 0, 7, 0, 0, 0, 3, "), "{told}");

@@ -1,12 +1,12 @@
 //! What trips an enabled drive at its very next output: a stop, lateness, a silent host. On a scripted board.
 
-use crate::bench::{ARM, Bench};
+use crate::bench::{ARM, AppBench};
 use pneudrive_controller::{Command, Fault, Mode};
 use pneudrive_protocol::RequestBody;
 
 #[test]
 fn a_stop_is_off_at_the_very_next_output_also_between_a_sample_and_its_output() {
-    let mut bench = Bench::referenced();
+    let mut bench = AppBench::referenced();
     bench.armed(100, 1, 0);
     bench.done(bench.start_request());
     bench.samples(3);
@@ -24,7 +24,7 @@ fn a_stop_is_off_at_the_very_next_output_also_between_a_sample_and_its_output() 
 #[test]
 fn a_late_or_missing_sample_trips_an_enabled_drive() {
     for (delay_us, trips) in [(100, false), (101, true), (1300, true), (-100, false), (-101, true)] {
-        let mut bench = Bench::referenced();
+        let mut bench = AppBench::referenced();
         bench.armed(100, 1, 0);
         bench.done(bench.start_request());
         bench.samples(3);
@@ -39,7 +39,7 @@ fn a_late_or_missing_sample_trips_an_enabled_drive() {
 #[test]
 fn a_late_output_trips_an_enabled_drive_before_it_is_driven() {
     for (after_us, trips) in [(500, false), (600, false), (601, true), (1299, true)] {
-        let mut bench = Bench::referenced();
+        let mut bench = AppBench::referenced();
         bench.armed(100, 1, 0);
         bench.done(bench.start_request());
         bench.samples(3);
@@ -55,7 +55,7 @@ fn a_late_output_trips_an_enabled_drive_before_it_is_driven() {
 
 #[test]
 fn an_output_behind_an_arming_has_no_sample_to_be_late_for() {
-    let mut bench = Bench::referenced();
+    let mut bench = AppBench::referenced();
     bench.board.now_us = 70_000_000;
     bench.test(100, 1, 0);
     bench.app.control.on_sample(&mut bench.board);
@@ -67,7 +67,7 @@ fn an_output_behind_an_arming_has_no_sample_to_be_late_for() {
 
 #[test]
 fn a_silent_host_trips_a_running_move_and_nothing_else() {
-    let mut bench = Bench::referenced();
+    let mut bench = AppBench::referenced();
     bench.board.host_clock_ms = Some(1000);
     bench.armed(1000, 1, 0);
     bench.board.host_clock_ms = Some(9000);
@@ -90,7 +90,7 @@ fn a_silent_host_trips_a_running_move_and_nothing_else() {
 /// Once a homing run went on to its end though the program that had asked for it was killed.
 #[test]
 fn a_silent_host_trips_a_homing_run() {
-    let mut bench = Bench::default();
+    let mut bench = AppBench::default();
     bench.board.host_clock_ms = Some(1000);
     bench.done(ARM);
     bench.done(RequestBody::Home);

@@ -2,7 +2,7 @@
 
 use core::convert::Infallible;
 
-use crate::bench::{ARM, Bench, FakeBoard};
+use crate::bench::{ARM, AppBench, FakeBoard};
 use embedded_io::{ErrorType, Write};
 use pneudrive_app::runtime::talk::{Port, Served, Talk, Watchdog};
 use pneudrive_app::{Control, Recorder};
@@ -11,8 +11,8 @@ use pneudrive_protocol::{RequestBody, code};
 use rtic_core::Mutex;
 
 /// A bench whose board has a watchdog.
-fn watched() -> Bench {
-    let mut bench = Bench::referenced();
+fn watched() -> AppBench {
+    let mut bench = AppBench::referenced();
     bench.board.has_watchdog = true;
     bench
 }
@@ -36,7 +36,7 @@ fn a_disarmed_drive_is_in_a_fault_while_its_watchdog_is_tried_and_arming_ends_th
 
 #[test]
 fn a_board_without_a_watchdog_says_so_and_stays_as_it_is() {
-    let mut bench = Bench::referenced();
+    let mut bench = AppBench::referenced();
     assert_eq!(bench.ask(RequestBody::TryWatchdog), not_now(code::NO_WATCHDOG));
     assert_eq!(bench.mode(), Mode::Disarmed);
 }

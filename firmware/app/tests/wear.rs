@@ -1,6 +1,6 @@
 //! How often the flash is erased: a machine that runs for years must not wear it out.
 
-use crate::flash_drive::Drive;
+use crate::flash_drive::DriveWithFlash;
 use crate::nor_flash::{Flash, SECTOR};
 use pneudrive_app::fault_log::{FaultLog, FaultStore, MEMORY_BYTES, Restored};
 use pneudrive_app::ram_flash::RamFlash;
@@ -42,7 +42,7 @@ fn twenty_thousand_stops_a_day_cost_two_dozen_erases() {
 }
 
 /// A run that ends so many counts short teaches the drive as many.
-fn run(drive: &mut Drive, short: i32) {
+fn run(drive: &mut DriveWithFlash, short: i32) {
     drive.take_test(9, drive.board.position + short);
     drive.control.arm(&mut drive.board).expect("disarmed");
     drive.control.start(&mut drive.board).expect("armed");
@@ -52,8 +52,8 @@ fn run(drive: &mut Drive, short: i32) {
     drive.control.tidy_up(&mut drive.board).expect("stored");
 }
 
-fn learning_drive() -> Drive {
-    let mut drive = Drive::on(RamFlash::default());
+fn learning_drive() -> DriveWithFlash {
+    let mut drive = DriveWithFlash::on(RamFlash::default());
     drive.control.set_referenced().expect("disarmed");
     drive.set(id::LEARNING_GAIN, 256);
     drive.control.save_parameters(&mut drive.board).expect("disarmed");

@@ -1,6 +1,6 @@
 //! A drive without a PC: its digital inputs begin move records, its outputs say how that goes, and it has one owner.
 
-use crate::bench::Bench;
+use crate::bench::AppBench;
 use pneudrive_app::inputs::attend;
 use pneudrive_controller::parameters::id;
 use pneudrive_controller::{Fault, Mode, Refusal};
@@ -23,10 +23,10 @@ const DEBOUNCE: u32 = 9;
 /// Samples until a start has settled, 20 ms later.
 const SETTLING: u32 = 16;
 
-impl Bench {
+impl AppBench {
     /// A referenced drive whose rod stands at 0, with two records, its inputs on.
-    fn with_records() -> Bench {
-        let mut bench = Bench { session: 1007, ..Bench::referenced() };
+    fn with_records() -> AppBench {
+        let mut bench = AppBench { session: 1007, ..AppBench::referenced() };
         bench.board.stands = true;
         for (number, target) in [(HERE, 0), (THERE, 500), (3, 1_000_000)] {
             let told = ProfiledMove { at_sample: DWELL, target, ..ProfiledMove::default() };
@@ -70,7 +70,7 @@ impl Bench {
 
 #[test]
 fn a_start_begins_the_record_of_the_number_and_the_outputs_say_when_it_is_done() {
-    let mut bench = Bench::with_records();
+    let mut bench = AppBench::with_records();
     assert_eq!((bench.mode(), bench.board.shown & !LAMP), (Mode::Disarmed, READY));
     bench.start(HERE);
     assert_eq!((bench.mode(), bench.shows(READY), bench.shows(IN_POSITION)), (Mode::Running, false, false));
@@ -88,7 +88,7 @@ fn a_start_begins_the_record_of_the_number_and_the_outputs_say_when_it_is_done()
 
 #[test]
 fn a_start_while_the_axis_moves_is_ignored() {
-    let mut bench = Bench::with_records();
+    let mut bench = AppBench::with_records();
     bench.start(THERE);
     let index = bench.app.control.state().observation().index;
     bench.start(HERE);
@@ -100,7 +100,7 @@ fn a_start_while_the_axis_moves_is_ignored() {
 #[test]
 fn nothing_begins_without_enable_or_while_run_is_off() {
     for off in [0, RUN, ENABLE] {
-        let mut bench = Bench::with_records();
+        let mut bench = AppBench::with_records();
         bench.input(off | HERE);
         bench.input(off | START | HERE);
         bench.live(20);
@@ -111,7 +111,7 @@ fn nothing_begins_without_enable_or_while_run_is_off() {
 
 #[test]
 fn enable_off_disables_at_the_next_output_without_a_fault() {
-    let mut bench = Bench::with_records();
+    let mut bench = AppBench::with_records();
     bench.start(THERE);
     bench.board.inputs = RUN;
     bench.live(1);
@@ -127,7 +127,7 @@ fn enable_off_disables_at_the_next_output_without_a_fault() {
 
 #[test]
 fn run_off_trips_what_moves_and_the_fault_is_acknowledged_before_the_next_start() {
-    let mut bench = Bench::with_records();
+    let mut bench = AppBench::with_records();
     bench.start(THERE);
     bench.board.inputs = ENABLE;
     bench.live(1);
@@ -145,7 +145,7 @@ fn run_off_trips_what_moves_and_the_fault_is_acknowledged_before_the_next_start(
 #[test]
 fn a_stop_during_a_start_wins() {
     for before in [0, DEBOUNCE - 1, DEBOUNCE + SETTLING - 1] {
-        let mut bench = Bench::with_records();
+        let mut bench = AppBench::with_records();
         bench.board.inputs = ON | START | HERE;
         bench.live(before);
         bench.board.inputs = ENABLE | START | HERE;
@@ -158,7 +158,7 @@ fn a_stop_during_a_start_wins() {
 
 #[test]
 fn what_cannot_begin_says_why_and_leaves_the_drive_as_it_was() {
-    let mut bench = Bench::with_records();
+    let mut bench = AppBench::with_records();
     for (number, why) in [(4, refused::NO_RECORD), (3, Refusal::BeyondEnd.code())] {
         bench.start(number);
         assert_eq!((bench.mode(), bench.why_refused()), (Mode::Disarmed, why));
@@ -177,7 +177,7 @@ fn what_cannot_begin_says_why_and_leaves_the_drive_as_it_was() {
 
 #[test]
 fn an_axis_that_is_not_referenced_is_homed_by_number_15_first() {
-    let mut bench = Bench::with_records();
+    let mut bench = AppBench::with_records();
     bench.app.control.set_parameters(id::ENCODER_INVERTED, [1].into_iter()).expect("disarmed");
     bench.start(HERE);
     assert_eq!((bench.mode(), bench.why_refused()), (Mode::Disarmed, Refusal::NotReferenced.code()));
@@ -193,7 +193,7 @@ fn an_axis_that_is_not_referenced_is_homed_by_number_15_first() {
 
 #[test]
 fn the_inputs_begin_nothing_that_a_host_has_enabled_and_stop_it_all_the_same() {
-    let mut bench = Bench::with_records();
+    let mut bench = AppBench::with_records();
     bench.done(RequestBody::Arm { host: "a host" });
     bench.live(1);
     assert!(!bench.shows(READY));
@@ -211,7 +211,7 @@ fn the_inputs_begin_nothing_that_a_host_has_enabled_and_stop_it_all_the_same() {
 
 #[test]
 fn a_host_may_read_and_stop_what_the_inputs_have_begun() {
-    let mut bench = Bench::with_records();
+    let mut bench = AppBench::with_records();
     bench.start(THERE);
     let owned = bench.ask(RequestBody::Arm { host: "a host" });
     assert!(owned.contains("Owned(Owner { presence: There") && owned.contains("digital inputs"), "{owned}");
@@ -223,7 +223,7 @@ fn a_host_may_read_and_stop_what_the_inputs_have_begun() {
 
 #[test]
 fn a_stop_by_a_host_withdraws_the_acknowledgement_and_the_start_whatever_the_drive_does() {
-    let mut bench = Bench::with_records();
+    let mut bench = AppBench::with_records();
     bench.start(THERE);
     bench.input(ENABLE);
     bench.input(ON | ACKNOWLEDGE);
@@ -235,12 +235,12 @@ fn a_stop_by_a_host_withdraws_the_acknowledgement_and_the_start_whatever_the_dri
     bench.start(HERE);
     assert_eq!(bench.mode(), Mode::Running, "acknowledged once more");
 
-    let mut disabled = Bench::with_records();
+    let mut disabled = AppBench::with_records();
     disabled.done(RequestBody::Stop);
     disabled.start(HERE);
     assert_eq!(disabled.why_refused(), refused::FAULT, "nothing had moved");
 
-    let mut starting = Bench::with_records();
+    let mut starting = AppBench::with_records();
     starting.input(ON | START | HERE);
     starting.done(RequestBody::Stop);
     starting.live(2 * SETTLING);
@@ -250,7 +250,7 @@ fn a_stop_by_a_host_withdraws_the_acknowledgement_and_the_start_whatever_the_dri
 /// The contacts have closed, but not for long enough to count.
 #[test]
 fn an_acknowledgement_that_has_yet_to_count_at_a_stop_is_none_of_that_stop() {
-    let mut bench = Bench::with_records();
+    let mut bench = AppBench::with_records();
     bench.board.inputs = ON | ACKNOWLEDGE;
     bench.live(DEBOUNCE - 2);
     bench.done(RequestBody::Stop);
@@ -264,7 +264,7 @@ fn an_acknowledgement_that_has_yet_to_count_at_a_stop_is_none_of_that_stop() {
 
 #[test]
 fn a_start_that_has_yet_to_count_at_a_stop_begins_nothing_once_that_is_acknowledged() {
-    let mut bench = Bench::with_records();
+    let mut bench = AppBench::with_records();
     bench.board.inputs = ON | START | HERE;
     bench.live(DEBOUNCE - 2);
     bench.done(RequestBody::Stop);
@@ -277,7 +277,7 @@ fn a_start_that_has_yet_to_count_at_a_stop_begins_nothing_once_that_is_acknowled
 #[test]
 fn what_was_acknowledged_or_started_before_a_trip_is_not_meant_for_it() {
     for before in [DEBOUNCE - 2, DEBOUNCE + 2] {
-        let mut bench = Bench::with_records();
+        let mut bench = AppBench::with_records();
         bench.board.inputs = ON | START | ACKNOWLEDGE | HERE;
         bench.live(before);
         bench.app.control.trip(Fault::LateSample);
@@ -296,7 +296,7 @@ fn what_was_acknowledged_or_started_before_a_trip_is_not_meant_for_it() {
 
 #[test]
 fn a_number_that_comes_behind_its_start_begins_no_other_record() {
-    let mut bench = Bench::with_records();
+    let mut bench = AppBench::with_records();
     bench.input(ON | START | HERE);
     bench.board.inputs = ON | START | THERE;
     bench.live(3 * SETTLING);
@@ -305,7 +305,7 @@ fn a_number_that_comes_behind_its_start_begins_no_other_record() {
 
 #[test]
 fn no_host_can_pass_for_the_inputs() {
-    let mut bench = Bench::with_records();
+    let mut bench = AppBench::with_records();
     bench.start(THERE);
     bench.session = u32::MAX;
     let disarm = bench.frame(RequestBody::Disarm);
@@ -316,7 +316,7 @@ fn no_host_can_pass_for_the_inputs() {
 /// The inputs are a sign of life as requests are: an idle task that stands still is a host that is silent.
 #[test]
 fn a_drive_whose_inputs_nobody_looks_at_any_more_trips() {
-    let mut bench = Bench::with_records();
+    let mut bench = AppBench::with_records();
     bench.board.host_clock_ms = Some(0);
     bench.start(THERE);
     for ms in 0..2000 {
@@ -328,7 +328,7 @@ fn a_drive_whose_inputs_nobody_looks_at_any_more_trips() {
     }
     let seen_by_the_drive = bench.mode();
     assert_ne!(seen_by_the_drive, Mode::Fault(Fault::HostSilent), "they are looked at");
-    let mut bench = Bench::with_records();
+    let mut bench = AppBench::with_records();
     bench.board.host_clock_ms = Some(0);
     bench.start(THERE);
     bench.board.host_clock_ms = Some(600);
@@ -338,7 +338,7 @@ fn a_drive_whose_inputs_nobody_looks_at_any_more_trips() {
 
 #[test]
 fn a_board_whose_inputs_are_pins_takes_none_by_request() {
-    let mut bench = Bench::with_records();
+    let mut bench = AppBench::with_records();
     let refused = bench.ask(RequestBody::IoSet { inputs: ON | START | HERE });
     assert_eq!(refused, format!("Refused(NotNow({}))", code::INPUTS_ARE_PINS));
 }

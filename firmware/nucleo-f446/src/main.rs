@@ -71,7 +71,7 @@ use pneudrive_app::Recorder;
 #[cfg(not(feature = "plant-bus"))]
 use cylinder::{Drive, start};
 #[cfg(feature = "plant-bus")]
-use plant::{Drive, start, switch_off};
+use plant::{PlantDrive as Drive, start, switch_off};
 use port::Port;
 #[cfg(not(feature = "plant-bus"))]
 use valve::switch_off;

@@ -29,7 +29,7 @@ use crate::{Control, Talk, reset};
 const REST_CYCLES: u32 = PROCESSOR_MHZ * REST_US as u32;
 
 /// The control, its board, and the plant's line: what the two tasks share.
-pub struct Drive {
+pub struct PlantDrive {
     pub control: Control,
     pub board: LockStep<Store>,
     link: PlantLink<PlantLine>,
@@ -39,14 +39,14 @@ pub struct Drive {
     _drive_enable: PB10<Output>,
 }
 
-impl Drive {
+impl PlantDrive {
     /// The line's interrupt: the plant has answered.
     pub fn tick(&mut self) {
         self.link.attend(&mut self.control, &mut self.board, &self.cycles);
     }
 }
 
-impl Served for Drive {
+impl Served for PlantDrive {
     type Board = LockStep<Store>;
     type Recorder = &'static mut Recorder;
 
@@ -84,7 +84,11 @@ impl Served for Drive {
 }
 
 /// All that there is. Runs once, with interrupts disabled; what goes wrong here breaks down.
-pub fn start(core: CorePeripherals, device: Peripherals, recorder: &'static mut Recorder) -> (Drive, Talk) {
+pub fn start(
+    core: CorePeripherals,
+    device: Peripherals,
+    recorder: &'static mut Recorder,
+) -> (PlantDrive, Talk) {
     let reset = reset::reason(&device.RCC);
     let mut watchdog = Watchdog::new(device.IWDG, &device.DBGMCU);
     let mut rcc = clocks(device.RCC, &device.GPIOA);
@@ -106,7 +110,7 @@ pub fn start(core: CorePeripherals, device: Peripherals, recorder: &'static mut 
     let cycles = Cycles::start(core.DCB, core.DWT);
     let link = PlantLink::new(line, PROCESSOR_MHZ * 1000, &cycles);
     watchdog.start();
-    let drive = Drive { control, board, link, cycles, enabled: None, _drive_enable: drive_enable };
+    let drive = PlantDrive { control, board, link, cycles, enabled: None, _drive_enable: drive_enable };
     (drive, Talk::new(port, watchdog))
 }
 

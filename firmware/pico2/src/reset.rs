@@ -14,8 +14,8 @@ use pneudrive_app::fault_log::Memory;
 use pneudrive_app::runtime::reset::{CLOCK_FAILED, PANICKED, Reset, noted};
 use rp235x_hal::pac::{POWMAN, SIO};
 
-use pneudrive_app::tell;
 use crate::scratch;
+use pneudrive_app::tell;
 
 /// The pin of `drive_enable`, which `start` makes an output.
 const ENABLE_PIN: u8 = 8;

@@ -18,12 +18,12 @@ use crate::board::{Pico2Board, Store};
 use crate::clock::{ControlTimer, Wait};
 use crate::encoder::Encoder;
 use crate::flash::KeptFlash;
-use pneudrive_app::tell;
 use crate::oscillators::Sources;
 use crate::port::Port;
 use crate::scratch::KeptSpool;
 use crate::watchdog::Watchdog;
 use crate::{Control, Drive, Talk, oscillators, reset, spi};
+use pneudrive_app::tell;
 
 /// The longest piece of a request to an enabled drive, microseconds: the 2,400 instructions of docs/firmware-figures.md at
 /// six cycles each and 128 MHz. Not measured on this board.

@@ -42,7 +42,7 @@ pub struct Driven {
 }
 
 /// The plant and its wires.
-pub struct Bench {
+pub struct PinBench {
     rig: Rig,
     plant: Plant,
     /// The plant lives.
@@ -64,15 +64,15 @@ pub struct Bench {
 /// Why the plant cannot go on.
 pub type Broken = String;
 
-impl Bench {
+impl PinBench {
     /// The plant of a rig, in the initial state of its test.
     ///
     /// # Errors
     /// When the plant cannot be simulated.
-    pub fn new(rig: &Rig) -> Result<Bench, Broken> {
+    pub fn new(rig: &Rig) -> Result<PinBench, Broken> {
         let mut plant = Plant::new(rig, Accuracy::of(rig), 0);
         let sample = plant.sample().map_err(|error| error.to_string())?;
-        Ok(Bench {
+        Ok(PinBench {
             rig: rig.clone(),
             plant,
             lives: false,

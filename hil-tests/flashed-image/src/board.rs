@@ -15,7 +15,7 @@ mod idle;
 
 use pneudrive_protocol::io::input;
 
-use crate::bench::{Bench, Driven};
+use crate::bench::{Driven, PinBench};
 use crate::peripheral::adc::Adc;
 use crate::peripheral::control_timer::{ControlTimer, Matches};
 use crate::peripheral::dac::Dac;
@@ -78,7 +78,7 @@ pub struct Board {
     /// The flash.
     pub flash: Flash,
     /// What the board is wired to.
-    pub bench: Bench,
+    pub bench: PinBench,
     /// Whether somebody waits for the processor to stop, and why.
     pub stop: Option<Stop>,
     /// A debugger has halted the processor.
@@ -131,7 +131,7 @@ pub struct Board {
 impl Board {
     /// A board that has just been given power.
     #[must_use]
-    pub fn new(cells: Vec<u8>, bench: Bench, corner: Corner) -> Board {
+    pub fn new(cells: Vec<u8>, bench: PinBench, corner: Corner) -> Board {
         let shown = bench.sample.position;
         let mut board = Board {
             now: 0,

@@ -7,7 +7,7 @@ use anyhow::{Result, anyhow};
 use nix::time::{ClockId, clock_gettime};
 use pneudrive_sim::Rig;
 
-use crate::bench::Bench;
+use crate::bench::PinBench;
 use crate::board::{Board, Stop};
 use crate::image::Image;
 use crate::line::Line;
@@ -210,6 +210,6 @@ fn processor_time() -> Duration {
 
 fn powered(image: &Image, rig: &Rig, corner: Corner, mut cells: Vec<u8>) -> Result<Processor> {
     image.flash(&mut cells);
-    let bench = Bench::new(rig).map_err(|broken| anyhow!("the plant of {}: {broken}", rig.name()))?;
+    let bench = PinBench::new(rig).map_err(|broken| anyhow!("the plant of {}: {broken}", rig.name()))?;
     Processor::new(Board::new(cells, bench, corner))
 }

@@ -76,7 +76,7 @@ impl Tap {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use pneudrive_protocol::{MAX_FRAME, Refused, Reply, Request, encode};
+    use pneudrive_protocol::{MAX_FRAME, Reply, Request, RequestRefusal, encode};
 
     const START: RequestBody<'_> = RequestBody::Start { crc32: 1 };
 
@@ -125,7 +125,7 @@ mod tests {
     fn a_run_that_is_refused_does_not_begin() {
         let mut tap = Tap::default();
         request(&mut tap, 7, RequestBody::Home);
-        assert_eq!(reply(&mut tap, 7, ReplyBody::Refused(Refused::NotNow(1))), None);
+        assert_eq!(reply(&mut tap, 7, ReplyBody::Refused(RequestRefusal::NotNow(1))), None);
         request(&mut tap, 8, RequestBody::Home);
         assert_eq!(reply(&mut tap, 8, ReplyBody::Done), Some(Begun::Homing));
     }

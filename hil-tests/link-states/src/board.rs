@@ -77,7 +77,7 @@ const BACK_OFF: i32 = 400;
 
 /// A board whose rod stands at its stop, or off it while the valve extends it. Its pressures tell the run and the sample apart, so no two records are the same.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Bench {
+pub struct ModelBoard {
     /// What is kept through a reset.
     pub(crate) kept: Kept,
     pub(crate) now_us: u64,
@@ -93,23 +93,33 @@ pub struct Bench {
     mutant: Option<Mutant>,
 }
 
-impl Bench {
+impl ModelBoard {
     /// With this flash.
-    pub(crate) fn new(flash: Flash, mutant: Option<Mutant>) -> Bench {
+    pub(crate) fn new(flash: Flash, mutant: Option<Mutant>) -> ModelBoard {
         let kept = Kept::new(flash, mutant);
         let (extends, inputs, latched) = (false, 0, None);
-        Bench { kept, now_us: 0, host_clock_ms: 0, runs: 0, sampled: 0, extends, inputs, latched, mutant }
+        ModelBoard {
+            kept,
+            now_us: 0,
+            host_clock_ms: 0,
+            runs: 0,
+            sampled: 0,
+            extends,
+            inputs,
+            latched,
+            mutant,
+        }
     }
 
     /// After a reset: what is in flash is kept.
-    pub(crate) fn reset(&self) -> Bench {
+    pub(crate) fn reset(&self) -> ModelBoard {
         let Kept { flash, boot, .. } = &self.kept;
         let kept = Kept { flash: flash.powered(), boot: boot + 1, ..self.kept.clone() };
-        Bench { kept, now_us: 0, host_clock_ms: 0, extends: false, latched: None, ..self.clone() }
+        ModelBoard { kept, now_us: 0, host_clock_ms: 0, extends: false, latched: None, ..self.clone() }
     }
 }
 
-impl Board for Bench {
+impl Board for ModelBoard {
     type Store = Kept;
 
     fn store(&mut self) -> &mut Kept {

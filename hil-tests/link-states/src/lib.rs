@@ -39,7 +39,7 @@ use stateright::{Checker, Expectation, Model, Property};
 pub use broken::Broken;
 use host::{Host, Job, Plan, Standing, Waits};
 use intern::{Id, Interned, Worked};
-use line::{Frame, Way};
+use line::{Frame, InFlight};
 use mutant::Mutant;
 use pair::Pair;
 use presence::Time;
@@ -95,8 +95,8 @@ pub struct State {
     rig: Id,
     servers: [Id; 2],
     hosts: [Id; 2],
-    to_rig: [Way; 2],
-    to_host: [Way; 2],
+    to_rig: [InFlight; 2],
+    to_host: [InFlight; 2],
     /// The last frames that went through a gateway.
     passed: [Option<Frame>; 2],
     left: Budget,

@@ -43,14 +43,14 @@ impl Frame {
 
 /// Frames on their way in one direction.
 #[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct Way {
+pub struct InFlight {
     /// In order, the next one first.
     pub queue: ArrayVec<Frame, QUEUE>,
     /// Copies that come at any later time, or never; in the order of their numbers.
     pub late: ArrayVec<Frame, QUEUE>,
 }
 
-impl Way {
+impl InFlight {
     /// Takes frames into the queue. False if they have no room, and none is taken then.
     #[must_use]
     pub fn take(&mut self, frames: &[Id]) -> bool {

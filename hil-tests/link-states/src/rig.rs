@@ -16,7 +16,7 @@ use pneudrive_protocol::change::{Entry, PART_BYTES};
 use pneudrive_protocol::session::INPUTS;
 use pneudrive_protocol::{ProfiledMove, RecordedSample};
 
-use crate::board::{AT_STOP, Bench};
+use crate::board::{AT_STOP, ModelBoard};
 use crate::flash::Flash;
 use crate::mutant::Mutant;
 use crate::pair::{Pair, pair};
@@ -57,7 +57,7 @@ pub struct Rig {
     /// The firmware's control half.
     pub control: Control<Shared>,
     /// What it runs on.
-    pub board: Bench,
+    pub board: ModelBoard,
     /// The host whose request has armed the drive, or taken it over, since the reset; None if it was sent before.
     pub armed_by: Option<usize>,
     /// The runs, the one that is on last.
@@ -88,7 +88,7 @@ impl Rig {
     /// A rig that was never saved to, with its axis referenced.
     #[must_use]
     pub fn new(mutant: Option<Mutant>) -> Rig {
-        let board = Bench::new(Flash::default(), mutant);
+        let board = ModelBoard::new(Flash::default(), mutant);
         let rig = Rig {
             control: Control::default(),
             board,

@@ -7,7 +7,7 @@ use pneudrive_protocol::{MAX_FRAME, ReplyBody, Request, RequestBody, decode_repl
 
 use crate::host::{Input, Standing, Waits};
 use crate::intern::Id;
-use crate::line::{Frame, Way, message};
+use crate::line::{Frame, InFlight, message};
 use crate::pair::pair;
 use crate::plc::Plc;
 use crate::presence::{Presence, Time};
@@ -140,7 +140,7 @@ impl Link {
     /// What the server of a host knows that has ended, and of which no frame is on its way any more, does not matter.
     fn forget_servers_without_host(&self, state: &mut State) {
         for host in [0, 1] {
-            let Way { queue, late } = &state.to_rig[host];
+            let InFlight { queue, late } = &state.to_rig[host];
             if queue.is_empty() && late.is_empty() && self.standing(state, host).waits == Waits::Nothing {
                 state.servers[host] = self.fresh_server();
             }
@@ -179,7 +179,7 @@ impl Link {
     }
 
     fn drop_replies(&self, state: &mut State, host: usize, ended: bool) {
-        let Way { queue, late } = std::mem::take(&mut state.to_host[host]);
+        let InFlight { queue, late } = std::mem::take(&mut state.to_host[host]);
         for frame in queue.into_iter().chain(late).filter(|_| !ended) {
             let telling = Telling { number: host, host: state.hosts[host], heard: Heard::Reply(frame.id()) };
             let told = self.tellings.out(telling, || Arc::new(self.told(telling)));

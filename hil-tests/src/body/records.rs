@@ -35,20 +35,20 @@ fn record(number: u8, dwell: u32) -> MoveRecord {
 }
 
 /// A drive with its records.
-struct Bench {
+struct DriveWithRecords {
     target: Box<dyn Target>,
     client: Client,
 }
 
-impl Bench {
-    fn new(start: Start) -> Bench {
+impl DriveWithRecords {
+    fn new(start: Start) -> DriveWithRecords {
         let target = start(&rig("servo-b-tuned", &["test.duration_s=0.3"]));
         let mut client = target.connect().expect("a rig that answers");
         client.set_parameters(id::TOLERANCE_COUNTS, &[TOLERANCE, MONITORING_US]).expect("disarmed");
         let records = [record(NEAR, 10), record(FAR, 0), record(LONG, 2_770_000)];
         client.replace_move_records(&records).expect("disarmed");
         assert_eq!(client.move_records().expect("an answer"), records, "{}", target.name());
-        Bench { target, client }
+        DriveWithRecords { target, client }
     }
 
     fn mode(&mut self) -> Mode {
@@ -100,7 +100,7 @@ impl Bench {
 /// # Panics
 /// When it is not so.
 pub fn records_begin_by_their_numbers(start: Start) {
-    let mut bench = Bench::new(start);
+    let mut bench = DriveWithRecords::new(start);
     bench.input(ON);
     bench.until("ready", |io| io.outputs & !LAMP == READY);
     for number in [NEAR, FAR, NEAR] {
@@ -130,7 +130,7 @@ pub fn records_begin_by_their_numbers(start: Start) {
 /// # Panics
 /// When it is not so.
 pub fn a_stop_by_an_input_always_wins(start: Start) {
-    let mut bench = Bench::new(start);
+    let mut bench = DriveWithRecords::new(start);
     bench.input(ENABLE | NEAR);
     bench.input(ENABLE | START | NEAR);
     bench.input(RUN | NEAR);
@@ -160,7 +160,7 @@ pub fn a_stop_by_an_input_always_wins(start: Start) {
 /// # Panics
 /// When it is not so.
 pub fn a_drive_has_one_owner(start: Start) {
-    let mut bench = Bench::new(start);
+    let mut bench = DriveWithRecords::new(start);
     bench.input(ON);
     bench.client.arm().expect("nobody commands it");
     bench.start(NEAR);
@@ -183,7 +183,7 @@ pub fn a_drive_has_one_owner(start: Start) {
 /// # Panics
 /// When it is not so.
 pub fn a_stop_by_a_host_withdraws_what_the_inputs_may(start: Start) {
-    let mut bench = Bench::new(start);
+    let mut bench = DriveWithRecords::new(start);
     bench.input(ON);
     bench.start(LONG);
     bench.until("begun", |io| io.number == LONG && io.outputs & READY == 0);

@@ -23,7 +23,7 @@ use super::chips::{CODES, Ls7366r, REFERENCE_V};
 use super::wires::Wires;
 
 /// The plant, and what it is wired to.
-pub struct Bench {
+pub struct ChipBench {
     rig: Rig,
     plant: Plant,
     wires: Wires,
@@ -39,12 +39,12 @@ pub struct Bench {
     pub k: u64,
 }
 
-impl Bench {
+impl ChipBench {
     /// The plant of a rig in the initial state of its test.
-    pub fn new(rig: &Rig, wires: Wires, encoder: Rc<RefCell<Ls7366r>>) -> Bench {
+    pub fn new(rig: &Rig, wires: Wires, encoder: Rc<RefCell<Ls7366r>>) -> ChipBench {
         let plant = Plant::new(rig, Accuracy::of(rig), 0);
         let mode = Mode::Disarmed;
-        Bench { rig: rig.clone(), plant, wires, encoder, walked: 0, spool_steps: 0, mode, runs: 0, k: 0 }
+        ChipBench { rig: rig.clone(), plant, wires, encoder, walked: 0, spool_steps: 0, mode, runs: 0, k: 0 }
     }
 
     /// A run begins with the plant in its initial state.

@@ -27,7 +27,7 @@ pub struct Limits {
 }
 
 /// A chip on SPI, mode 0.
-pub trait Model {
+pub trait ChipModel {
     /// Which it is.
     const CHIP: Chip;
 
@@ -63,7 +63,7 @@ struct Frame {
     is_heard: bool,
 }
 
-impl<M: Model> Bus<M> {
+impl<M: ChipModel> Bus<M> {
     /// A bus with this clock, kHz.
     pub fn new(chip: Rc<RefCell<M>>, wires: &Wires, khz: u64) -> Bus<M> {
         let wires = Rc::clone(wires);
@@ -119,7 +119,7 @@ impl<M> ErrorType for Bus<M> {
     type Error = Infallible;
 }
 
-impl<M: Model> SpiDevice for Bus<M> {
+impl<M: ChipModel> SpiDevice for Bus<M> {
     fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), Infallible> {
         let mut frame = self.select();
         for operation in operations {

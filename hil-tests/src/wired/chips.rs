@@ -2,7 +2,7 @@
 //! (`pneudrive_interfaces::chip`). They know nothing of the drivers.
 
 use super::Chip;
-use super::bus::{Limits, Model};
+use super::bus::{ChipModel, Limits};
 use super::wires::Wires;
 
 /// Voltage of both converters' reference, V.
@@ -24,7 +24,7 @@ impl Mcp4922 {
     }
 }
 
-impl Model for Mcp4922 {
+impl ChipModel for Mcp4922 {
     const CHIP: Chip = Chip::Mcp4922;
 
     /// In mode 0 nothing is asked for between select and clock.
@@ -82,7 +82,7 @@ impl Mcp3208 {
     }
 }
 
-impl Model for Mcp3208 {
+impl ChipModel for Mcp3208 {
     const CHIP: Chip = Chip::Mcp3208;
 
     const LIMITS: Limits = Limits { high_ns: 500, idle_ns: 0, setup_ns: 100, hold_ns: 0, half_clock_ns: 250 };
@@ -160,7 +160,7 @@ impl Ls7366r {
     }
 }
 
-impl Model for Ls7366r {
+impl ChipModel for Ls7366r {
     const CHIP: Chip = Chip::Ls7366r;
 
     /// Half a clock of 4 MHz for each, as the sheet's table was not at hand.

@@ -7,7 +7,7 @@
 //! | [`flow_map`] | a measured map of a valve, from a table |
 //! | [`question`], [`own_drive`] | the questions, and the rig file from their answers |
 //! | [`rig_file`] | rig files that say where values come from |
-//! | [`mended`] | answers that make a rig, near to some that make none |
+//! | [`suggestion`] | answers that make a rig, near to some that make none |
 //! | [`parts`] | the catalogue: cylinders, valves, tubes, sensors |
 //! | [`values`] | every value of a rig, with where it comes from |
 //! | [`difference`] | two rigs, key by key |
@@ -19,10 +19,10 @@ pub mod conductance;
 pub mod difference;
 pub mod flow_answer;
 pub mod flow_map;
-pub mod mended;
 pub mod own_drive;
 pub mod parts;
 pub mod question;
 pub mod rig_file;
 pub mod six_drives;
+pub mod suggestion;
 pub mod values;

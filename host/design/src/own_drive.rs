@@ -15,7 +15,7 @@ mod valve;
 use pneudrive_sim::component::controller;
 use pneudrive_sim::{Rig, keys};
 
-use crate::question::{Answers, Refusal};
+use crate::question::{AnswerProblem, Answers};
 use crate::rig_file::{Number, RigFile};
 
 pub(crate) use cylinder::Cylinder;
@@ -30,10 +30,10 @@ pub(crate) const PERIOD_S: f64 = 1e-3;
 ///
 /// # Errors
 /// Everything that is wrong with the answers, each at its question.
-pub fn rig_file(name: &str, answers: &Answers) -> Result<String, Vec<Refusal>> {
+pub fn rig_file(name: &str, answers: &Answers) -> Result<String, Vec<AnswerProblem>> {
     let mut file = RigFile::new(&about(name), name);
     let mut wrong = Vec::new();
-    let mut keep = |part: Result<(), Refusal>| wrong.extend(part.err());
+    let mut keep = |part: Result<(), AnswerProblem>| wrong.extend(part.err());
     keep(air::write(&mut file, answers));
     match Cylinder::of(answers) {
         Ok(cylinder) => {
@@ -60,7 +60,7 @@ pub fn rig_file(name: &str, answers: &Answers) -> Result<String, Vec<Refusal>> {
     }
     // Two parts of the file may need the same answer.
     let mut named = Vec::new();
-    wrong.retain(|refusal: &Refusal| {
+    wrong.retain(|refusal: &AnswerProblem| {
         let first = !named.contains(&refusal.question);
         named.push(refusal.question);
         first
@@ -84,7 +84,7 @@ fn about(name: &str) -> Vec<String> {
     .to_vec()
 }
 
-fn sampling(file: &mut RigFile, answers: &Answers) -> Result<(), Refusal> {
+fn sampling(file: &mut RigFile, answers: &Answers) -> Result<(), AnswerProblem> {
     let resolution = match answers.number("resolution")? {
         Some(mm) => Number::given(mm, answers.text("resolution").unwrap_or_default()),
         None => Number::typical(RESOLUTION_MM, [0.001, 0.1], "an incremental encoder; its data sheet tells"),

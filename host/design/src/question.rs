@@ -72,7 +72,7 @@ pub fn question_of(name: &str) -> Option<&'static Question> {
 
 /// The problem of an answer.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Refusal {
+pub struct AnswerProblem {
     /// The name of the question.
     pub question: &'static str,
     /// The problem and the remedy.
@@ -81,20 +81,20 @@ pub struct Refusal {
     pub instead: Option<String>,
 }
 
-impl Refusal {
+impl AnswerProblem {
     /// Of the answer to a question.
-    pub fn new(question: &'static str, message: impl Into<String>) -> Refusal {
-        Refusal { question, message: message.into(), instead: None }
+    pub fn new(question: &'static str, message: impl Into<String>) -> AnswerProblem {
+        AnswerProblem { question, message: message.into(), instead: None }
     }
 
     /// The same with an answer that would do.
     #[must_use]
-    pub fn or(self, instead: impl Into<String>) -> Refusal {
-        Refusal { instead: Some(instead.into()), ..self }
+    pub fn or(self, instead: impl Into<String>) -> AnswerProblem {
+        AnswerProblem { instead: Some(instead.into()), ..self }
     }
 }
 
-impl std::fmt::Display for Refusal {
+impl std::fmt::Display for AnswerProblem {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "--{}: {}", self.question, self.message)
     }
@@ -132,10 +132,10 @@ impl Answers {
     ///
     /// # Panics
     /// When there is no such question: a slip in the program.
-    pub fn reading(&self, name: &str) -> Result<Option<Reading>, Refusal> {
+    pub fn reading(&self, name: &str) -> Result<Option<Reading>, AnswerProblem> {
         let question = question_of(name).unwrap_or_else(|| panic!("no question {name}"));
         let Some(text) = self.text(name) else { return Ok(None) };
-        let refuse = |message| Refusal::new(question.name, message);
+        let refuse = |message| AnswerProblem::new(question.name, message);
         if question.name == FLOW {
             let flow = StatedFlow::read(text).map_err(refuse)?.flow;
             return Ok(Some(Reading::plain(flow)));
@@ -147,7 +147,7 @@ impl Answers {
     ///
     /// # Errors
     /// As [`Answers::reading`].
-    pub fn number(&self, name: &str) -> Result<Option<f64>, Refusal> {
+    pub fn number(&self, name: &str) -> Result<Option<f64>, AnswerProblem> {
         Ok(self.reading(name)?.map(|reading| reading.value))
     }
 
@@ -155,10 +155,10 @@ impl Answers {
     ///
     /// # Errors
     /// As [`Answers::reading`], and without an answer.
-    pub fn required(&self, name: &'static str) -> Result<f64, Refusal> {
+    pub fn required(&self, name: &'static str) -> Result<f64, AnswerProblem> {
         self.number(name)?.ok_or_else(|| {
             let example = question_of(name).map_or("", |question| question.example);
-            Refusal::new(name, format!("is needed, such as \"{example}\"")).or(example)
+            AnswerProblem::new(name, format!("is needed, such as \"{example}\"")).or(example)
         })
     }
 }

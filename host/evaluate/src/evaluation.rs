@@ -121,7 +121,7 @@ pub fn moves(
 ) -> Vec<Move> {
     let begins = transient.beginnings();
     let ends = begins.iter().skip(1).copied().chain([transient.time.len()]);
-    let course = air::Course::of(transient, chambers);
+    let course = air::Inflow::of(transient, chambers);
     let air = |interval: &Interval| course.as_ref()?.between(interval.begin, interval.end);
     let first = transient.cut.moves_before + usize::from(!transient.cut.at_start);
     (first..)

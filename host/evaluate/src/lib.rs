@@ -10,11 +10,13 @@
 //! | [`replay`] | a TARGET file's inputs through the controller on the PC, compared with its outputs |
 //! | [`spectrum`] | which frequencies a channel holds |
 //! | [`report`] | the page of transients |
-//! | [`parallel`], [`wanted`] | the same for each of many, on several threads, and whether somebody still waits for it |
+//! | [`parallel`] | the same for each of many, on several threads |
+//! | [`cancel`] | the token by which a caller ends long work early |
 
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
 pub mod alignment;
+pub mod cancel;
 pub mod channel;
 pub mod deviation;
 pub mod evaluation;
@@ -25,4 +27,3 @@ pub mod replay;
 pub mod report;
 pub mod spectrum;
 pub mod transient;
-pub mod wanted;

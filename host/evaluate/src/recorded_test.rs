@@ -35,7 +35,7 @@ const AT_REST_M_S: f64 = 1e-3;
 
 /// A rig, and the values that it has taken from a transient, a sentence each.
 #[derive(Clone, Debug)]
-pub struct Taken {
+pub struct RigOfRecord {
     /// The rig, with the test of the transient.
     pub rig: Rig,
     /// The values that were taken, and those that could not be.
@@ -46,7 +46,7 @@ pub struct Taken {
 ///
 /// # Errors
 /// When the transient is of another rig, is not whole, or its state is not one that the rig can start from.
-pub fn taken_from(path: &Path, rig: &Rig) -> Result<Taken> {
+pub fn taken_from(path: &Path, rig: &Rig) -> Result<RigOfRecord> {
     let taken = if path.is_dir() {
         from_end_of_run(&StoredRun::read(path)?, rig)
     } else {
@@ -55,7 +55,7 @@ pub fn taken_from(path: &Path, rig: &Rig) -> Result<Taken> {
     taken.with_context(|| format!("{} cannot be used as a starting point", path.display()))
 }
 
-fn from_record(name: &str, file: &TargetFile, rig: &Rig) -> Result<Taken> {
+fn from_record(name: &str, file: &TargetFile, rig: &Rig) -> Result<RigOfRecord> {
     refuse_other_rig(&Transient::of_target(name, file)?, rig)?;
     let recorded = samples(file)?;
     let header = Header::of(file)?;
@@ -72,7 +72,7 @@ fn from_record(name: &str, file: &TargetFile, rig: &Rig) -> Result<Taken> {
         notes.insert(0, format!("the initial state is that of {name}; its moves are those of the rig"));
         let start = start_of(file, first, rig)?;
         notes.extend(start.remark());
-        return Ok(Taken { rig: with_gains.with_settings(&start.settings(Some(rig)))?, notes });
+        return Ok(RigOfRecord { rig: with_gains.with_settings(&start.settings(Some(rig)))?, notes });
     }
     let moves = moves_of(&config, &recorded, first)?;
     let all: Vec<(f64, i32)> =
@@ -82,7 +82,7 @@ fn from_record(name: &str, file: &TargetFile, rig: &Rig) -> Result<Taken> {
     let duration_s = period_s * (recorded.len() - 1).max(1) as f64;
     notes.insert(0, format!("{} moves and the initial state are those of {name}", all.len()));
     let test = test_of(&all, duration_s, &start, rig);
-    Ok(Taken { rig: with_gains.with_test(&test)?, notes })
+    Ok(RigOfRecord { rig: with_gains.with_test(&test)?, notes })
 }
 
 /// Refuses a record whose moves have profiles that the test of the rig does not have: a list of moves cannot say them.
@@ -160,7 +160,7 @@ const OF_ARRIVAL: [&str; 5] = [
     keys::controller::FORCED_EXIT_S.key.path,
 ];
 
-fn from_end_of_run(run: &StoredRun, rig: &Rig) -> Result<Taken> {
+fn from_end_of_run(run: &StoredRun, rig: &Rig) -> Result<RigOfRecord> {
     let last = |column: &str| run.column(column).last().copied().unwrap_or(f64::NAN);
     let speed = last("velocity_m_s").abs();
     if speed > AT_REST_M_S {
@@ -180,7 +180,7 @@ fn from_end_of_run(run: &StoredRun, rig: &Rig) -> Result<Taken> {
         run.rig,
         run.numbered.as_ref().map_or_else(String::new, |one| format!(" ({one})"))
     );
-    Ok(Taken { rig: rig.with_settings(&start.settings(None))?, notes: vec![note] })
+    Ok(RigOfRecord { rig: rig.with_settings(&start.settings(None))?, notes: vec![note] })
 }
 
 const KEYS_OF_PRESSURES: [&str; 2] = [keys::test::PRESSURE_1_PA.key.path, keys::test::PRESSURE_2_PA.key.path];

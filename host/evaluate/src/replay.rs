@@ -29,7 +29,7 @@ use pneudrive_controller::config::ConfigError;
 use pneudrive_controller::drive::DriveConfig;
 use pneudrive_controller::law::Loop;
 use pneudrive_controller::{Config, Fault, Mode, Observation, Refusal, Sample, State, output, sample};
-use pneudrive_protocol::{RecordedSample, Refused};
+use pneudrive_protocol::{RecordedSample, RequestRefusal};
 use pneudrive_records::target::{IMPORTED, TargetFile};
 use pneudrive_records::{test_lines, words};
 
@@ -58,7 +58,7 @@ impl Output {
 
 /// The compared quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum What {
+pub enum ComparedQuantity {
     /// The sample itself: it was recorded after the run had ended on the PC.
     Sample,
     /// `dac_counts`.
@@ -69,15 +69,15 @@ pub enum What {
     Error,
 }
 
-impl What {
+impl ComparedQuantity {
     /// How to read a pair of numbers.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
-            What::Sample => "sample of the run",
-            What::Command => "command",
-            What::SpoolLocation => "spool location",
-            What::Error => "error",
+            ComparedQuantity::Sample => "sample of the run",
+            ComparedQuantity::Command => "command",
+            ComparedQuantity::SpoolLocation => "spool location",
+            ComparedQuantity::Error => "error",
         }
     }
 }
@@ -88,10 +88,10 @@ pub struct Difference {
     /// k of the sample.
     pub index: i32,
     /// The quantity that differs.
-    pub what: What,
-    /// The record's side; for [`What::Sample`] 1.
+    pub what: ComparedQuantity,
+    /// The record's side; for [`ComparedQuantity::Sample`] 1.
     pub recorded: i16,
-    /// The replay's side; for [`What::Sample`] 0.
+    /// The replay's side; for [`ComparedQuantity::Sample`] 0.
     pub replayed: i16,
     /// Whether the setpoint was taken from another sample, because the recorded error is at the limit of
     /// its 16 bits.
@@ -192,7 +192,7 @@ pub enum ReplayError {
     #[error("{0}")]
     Test(String),
     /// The controller would not have run this.
-    #[error("the controller refuses to run it: {}", words::refusal(&Refused::NotNow(.0.code())))]
+    #[error("the controller refuses to run it: {}", words::refusal(&RequestRefusal::NotNow(.0.code())))]
     Refused(Refusal),
 }
 
@@ -321,12 +321,20 @@ impl Replay {
 }
 
 /// The difference at a sample, and both sides of it.
-fn difference(recorded: &RecordedSample, replayed: &Output, stepper: bool) -> Option<(What, i16, i16)> {
+fn difference(
+    recorded: &RecordedSample,
+    replayed: &Output,
+    stepper: bool,
+) -> Option<(ComparedQuantity, i16, i16)> {
     let compared = [
-        (What::Sample, 1, i16::from(replayed.running)),
-        (What::Command, recorded.command, replayed.command),
-        (What::SpoolLocation, recorded.spool, if stepper { replayed.spool } else { recorded.spool }),
-        (What::Error, recorded.error, replayed.error),
+        (ComparedQuantity::Sample, 1, i16::from(replayed.running)),
+        (ComparedQuantity::Command, recorded.command, replayed.command),
+        (
+            ComparedQuantity::SpoolLocation,
+            recorded.spool,
+            if stepper { replayed.spool } else { recorded.spool },
+        ),
+        (ComparedQuantity::Error, recorded.error, replayed.error),
     ];
     compared.into_iter().find(|(_, recorded, replayed)| recorded != replayed)
 }

@@ -1,6 +1,6 @@
 //! A transient in engineering units, whatever its source.
 
-mod grip;
+mod friction_use;
 mod of_simulation;
 mod of_target;
 
@@ -12,7 +12,7 @@ use pneudrive_records::run_folder::{Numbered, StoredRun};
 use pneudrive_records::target::TargetFile;
 use pneudrive_sim::trace::Extra;
 
-pub use grip::Grip;
+pub use friction_use::FrictionUse;
 
 /// The channels that are compared and drawn: name and unit of each.
 pub const CHANNELS: [(&str, &str); 7] = [
@@ -71,7 +71,7 @@ pub struct Transient {
     /// Air that flows into the chambers, kg/s; None of a record, which has no flows.
     pub inflow_kg_s: Option<Vec<f64>>,
     /// How firmly friction holds the load; None of a record, which does not show it, and without friction.
-    pub grip: Option<Grip>,
+    pub grip: Option<FrictionUse>,
     /// Columns that not every trace has, in their own units.
     pub extras: Vec<(&'static Extra, Vec<f64>)>,
     /// Times before and after each place where samples are missing, s.
@@ -180,7 +180,7 @@ impl Transient {
             grip: run
                 .holding
                 .as_ref()
-                .and_then(|holding| Grip::of(holding, run.column("friction_n").iter().copied())),
+                .and_then(|holding| FrictionUse::of(holding, run.column("friction_n").iter().copied())),
             extras: run.extras.iter().map(|extra| (*extra, run.column(extra.name).to_vec())).collect(),
             gaps: Vec::new(),
             band: run.band.as_ref().map(ChannelBand::of),

@@ -5,7 +5,7 @@ use pneudrive_controller::parameters::{Parameter, TABLE, id};
 use pneudrive_controller::{
     Config, Fault, Move, Parameters, Refusal, Sample, Sequence, State, output, sample,
 };
-use pneudrive_evaluate::replay::{What, replay};
+use pneudrive_evaluate::replay::{ComparedQuantity, replay};
 use pneudrive_protocol::RecordedSample;
 use pneudrive_records::record::{Record, RecordHead};
 use pneudrive_records::rig_info::{Info, RigParameters};
@@ -234,7 +234,7 @@ proptest! {
         samples[at].command = samples[at].command.wrapping_add(delta);
         let changed = samples[at].command;
         let first = replay(&file(&run, samples)).expect("a whole record").first.expect("a difference");
-        prop_assert_eq!((first.index as usize, first.what, first.recorded), (at, What::Command, changed));
+        prop_assert_eq!((first.index as usize, first.what, first.recorded), (at, ComparedQuantity::Command, changed));
     }
 
     #[test]
@@ -248,7 +248,7 @@ proptest! {
         let at = at.index(samples.len());
         samples[at].spool = samples[at].spool.wrapping_add(delta);
         let first = replay(&file(&run, samples)).expect("a whole record").first.expect("a difference");
-        prop_assert_eq!((first.index as usize, first.what), (at, What::SpoolLocation));
+        prop_assert_eq!((first.index as usize, first.what), (at, ComparedQuantity::SpoolLocation));
     }
 
     /// Steps so long that the recorded error is at the limit of its 16 bits, with an axis that comes near

@@ -16,7 +16,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use anyhow::{Context, Result, bail};
 use pneudrive_sim::Rig;
 
-use crate::model::{Choices, Model};
+use crate::model::{Choices, FmuModel};
 use crate::part::Part;
 use crate::signal::{Kind, Value};
 use crate::variable::{Role, Variable, variables};
@@ -50,7 +50,7 @@ struct Now {
     /// Of each parameter that was set, by its reference.
     parameters: BTreeMap<u32, Value>,
     inputs: Vec<Value>,
-    model: Option<Model>,
+    model: Option<FmuModel>,
     /// Of the model, once they were asked for.
     outputs: Option<Vec<Value>>,
     start_time: f64,
@@ -329,7 +329,7 @@ impl Now {
     }
 
     /// The model of the parameters, built unless it is there.
-    fn build(&mut self, fixed: &Fixed) -> Result<&mut Model> {
+    fn build(&mut self, fixed: &Fixed) -> Result<&mut FmuModel> {
         let model = match self.model.take() {
             Some(model) => model,
             None => self.model_of(fixed)?,
@@ -337,7 +337,7 @@ impl Now {
         Ok(self.model.insert(model))
     }
 
-    fn model_of(&self, fixed: &Fixed) -> Result<Model> {
+    fn model_of(&self, fixed: &Fixed) -> Result<FmuModel> {
         let mut choices = Choices::default();
         let mut settings = Vec::new();
         for variable in fixed.variables.iter().filter(|variable| variable.is_parameter()) {
@@ -352,9 +352,9 @@ impl Now {
             }
         }
         if settings.is_empty() {
-            return Model::new(fixed.part, &fixed.rig, choices);
+            return FmuModel::new(fixed.part, &fixed.rig, choices);
         }
-        Model::new(fixed.part, &fixed.rig.with_settings(&settings)?, choices)
+        FmuModel::new(fixed.part, &fixed.rig.with_settings(&settings)?, choices)
     }
 
     fn outputs(&mut self, fixed: &Fixed) -> Result<&[Value]> {

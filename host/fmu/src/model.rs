@@ -15,7 +15,7 @@ use crate::part::Part;
 use crate::signal::{Kind, Signal, Value};
 
 use controller::Controller;
-use drive::Drive;
+use drive::DriveModel;
 use plant::Plant;
 
 /// The data of a model besides its rig.
@@ -29,26 +29,26 @@ pub struct Choices {
 
 /// A model at one of its samples.
 #[derive(Clone, Debug)]
-pub struct Model(Which);
+pub struct FmuModel(Which);
 
 #[derive(Clone, Debug)]
 enum Which {
     Plant(Box<Plant>),
     Controller(Box<Controller>),
-    Drive(Box<Drive>),
+    Drive(Box<DriveModel>),
 }
 
-impl Model {
+impl FmuModel {
     /// A part of a rig at sample 0.
     ///
     /// # Errors
     /// When there is no such part of this rig, or the integration up to the first sample fails.
-    pub fn new(part: Part, rig: &Rig, choices: Choices) -> Result<Model> {
+    pub fn new(part: Part, rig: &Rig, choices: Choices) -> Result<FmuModel> {
         part.check(rig)?;
-        Ok(Model(match part {
+        Ok(FmuModel(match part {
             Part::Plant => Which::Plant(Box::new(Plant::new(rig, choices.seed)?)),
             Part::Controller => Which::Controller(Box::new(Controller::new(rig, choices.run_test)?)),
-            Part::Drive => Which::Drive(Box::new(Drive::new(rig, choices)?)),
+            Part::Drive => Which::Drive(Box::new(DriveModel::new(rig, choices)?)),
         }))
     }
 

@@ -3,7 +3,7 @@
 use anyhow::{Result, bail};
 use pneudrive_protocol::frame::crc32;
 use pneudrive_sim::Rig;
-use pneudrive_sim::component::controller::Model;
+use pneudrive_sim::component::controller::ControllerKind;
 use pneudrive_sim::gain_bug;
 use pneudrive_sim::keys;
 
@@ -55,7 +55,7 @@ impl Part {
     /// # Errors
     /// For features of `pneudrive simulate` that the firmware lacks: the continuous controller, the historical bug.
     pub fn check(self, rig: &Rig) -> Result<()> {
-        if rig.get(&keys::controller::MODEL) == Model::Continuous {
+        if rig.get(&keys::controller::MODEL) == ControllerKind::Continuous {
             bail!(
                 "the continuous controller is the simulator's own and has no samples; write controller.model = \"sampled\""
             );

@@ -1,13 +1,13 @@
 //! From a point to near a minimum, stage by stage: a stroke that is late by more than it takes shows no slope to follow.
 
 use super::least_squares::minimise;
-use super::model::Model;
+use super::model::FittedModel;
 
 /// Shares of each transient that the fit takes one after the other.
 const STAGES: [f64; 3] = [0.35, 0.65, 1.0];
 
 /// From a point to near a minimum; never to where more is left than at the point. The model is rough from then on.
-pub(super) fn approach(model: &mut Model, from: Vec<f64>, progress: &mut dyn FnMut(&str)) -> Vec<f64> {
+pub(super) fn approach(model: &mut FittedModel, from: Vec<f64>, progress: &mut dyn FnMut(&str)) -> Vec<f64> {
     model.fine = false;
     let mut u = from.clone();
     for share in STAGES {

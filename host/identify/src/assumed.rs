@@ -11,7 +11,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::found::Found;
 use super::level::{self, Incline, LEVELLING_ERROR_DEG};
-use super::model::Model;
+use super::model::FittedModel;
 use super::parameter::Parameter;
 use super::posterior::{NORMAL_95, Posterior, RESTS, inverse};
 use super::spectrum::Transform;
@@ -37,7 +37,7 @@ pub(super) struct Considered {
 }
 
 /// What is assumed in a fit of some parameters.
-fn assumed(model: &Model) -> Vec<Parameter> {
+fn assumed(model: &FittedModel) -> Vec<Parameter> {
     let fitted = |path: &str| model.parameters.iter().any(|parameter| parameter.key.path == path);
     let known = |path: &str| fitted(path) || SAME.iter().any(|(a, b)| *b == path && fitted(a));
     let free = ASSUMED.iter().filter(|(path, _)| !known(path));
@@ -45,7 +45,7 @@ fn assumed(model: &Model) -> Vec<Parameter> {
 }
 
 /// The posterior at a minimum.
-pub(super) fn posterior(model: &Model, found: &Found) -> Result<Considered> {
+pub(super) fn posterior(model: &FittedModel, found: &Found) -> Result<Considered> {
     let assumed = assumed(model);
     let priors = priors(model, &assumed);
     let cannot = || {
@@ -71,7 +71,7 @@ struct Point {
 }
 
 /// Prior standard deviations in the order of the posterior.
-fn priors(model: &Model, assumed: &[Parameter]) -> DVector<f64> {
+fn priors(model: &FittedModel, assumed: &[Parameter]) -> DVector<f64> {
     let fitted = model.parameters.iter().chain(assumed).map(|parameter| parameter.prior);
     let starts = (model.parameters.len()..model.unknowns()).map(|i| model.prior(i));
     let all: Vec<f64> = fitted.chain(starts).collect();
@@ -80,7 +80,7 @@ fn priors(model: &Model, assumed: &[Parameter]) -> DVector<f64> {
 
 /// The derivatives of the data at a point; none of samples that have none. A handful of these, each beside a jump, would
 /// feign that the data show combinations of unknowns that change nothing.
-fn jacobian(model: &Model, at: &Point) -> DMatrix<f64> {
+fn jacobian(model: &FittedModel, at: &Point) -> DMatrix<f64> {
     let mut jacobian = DMatrix::zeros(at.residuals.len(), at.u.len());
     let columns = model.columns(&at.u, &at.residuals, 0..at.u.len());
     for (i, column) in columns.iter().enumerate() {
@@ -96,23 +96,23 @@ fn jacobian(model: &Model, at: &Point) -> DMatrix<f64> {
 
 impl Considered {
     /// Places of the parameters and of what is assumed.
-    fn named(&self, model: &Model) -> Range<usize> {
+    fn named(&self, model: &FittedModel) -> Range<usize> {
         0..model.parameters.len() + self.assumed.len()
     }
 
-    fn parameter<'a>(&'a self, model: &'a Model, i: usize) -> &'a Parameter {
+    fn parameter<'a>(&'a self, model: &'a FittedModel, i: usize) -> &'a Parameter {
         let n = model.parameters.len();
         if i < n { &model.parameters[i] } else { &self.assumed[i - n] }
     }
 
-    fn shares(&self, model: &Model, i: usize) -> Vec<Share> {
+    fn shares(&self, model: &FittedModel, i: usize) -> Vec<Share> {
         let parts = self.of.rests_on(i, self.named(model)).into_iter();
         parts.map(|(j, part)| Share { path: self.parameter(model, j).key.path, part }).collect()
     }
 
     /// What is to be said of parameter `i` of a fit that ended at `u` and left residuals of the norm `misfit` beyond
     /// noise.
-    pub fn estimate(&self, model: &Model, u: &[f64], i: usize, misfit: f64) -> Estimate {
+    pub fn estimate(&self, model: &FittedModel, u: &[f64], i: usize, misfit: f64) -> Estimate {
         let parameter = &model.parameters[i];
         let error = self.of.standard_error(i);
         let assumed = self.of.part_of_priors(i);
@@ -140,7 +140,7 @@ impl Considered {
     }
 
     /// What parameter `i` is once others are known.
-    fn given(&self, model: &Model, u: &[f64], i: usize) -> Option<Given> {
+    fn given(&self, model: &FittedModel, u: &[f64], i: usize) -> Option<Given> {
         let known = self.of.known(i, self.named(model))?;
         let (parameter, half_width) = (&model.parameters[i], NORMAL_95 * known.standard_error);
         let slope = parameter.slope(u[i]);
@@ -157,7 +157,7 @@ impl Considered {
     }
 
     /// What is to be said of a parameter that is not seen.
-    pub fn unseen(&self, model: &Model, u: &[f64], i: usize) -> Unseen {
+    pub fn unseen(&self, model: &FittedModel, u: &[f64], i: usize) -> Unseen {
         let parameter = model.parameters[i].clone();
         let mut confused_with = self.shares(model, i);
         confused_with.retain(|share| share.path != parameter.key.path);

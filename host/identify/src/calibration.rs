@@ -16,7 +16,7 @@ use pneudrive_sim::keys::{controller, encoder, sensors};
 
 use super::FAR;
 use super::derivatives::Column;
-use super::model::Model;
+use super::model::FittedModel;
 use super::parameter::Parameter;
 
 /// An error changes nothing if one of the size of its tolerance changes the data by less, in standard deviations of noise.
@@ -161,7 +161,7 @@ fn unknown(rig: &Rig) -> Vec<Parameter> {
 
 /// Takes the errors that do something to the data among the unknowns of a model, and returns the point with them at the file's
 /// values.
-pub(super) fn freed(model: &mut Model, from: Vec<f64>) -> Vec<f64> {
+pub(super) fn freed(model: &mut FittedModel, from: Vec<f64>) -> Vec<f64> {
     let place = model.parameters.len();
     let all = unknown(&model.rig);
     if all.is_empty() {
@@ -181,7 +181,7 @@ pub(super) fn freed(model: &mut Model, from: Vec<f64>) -> Vec<f64> {
     u
 }
 
-impl Model<'_> {
+impl FittedModel<'_> {
     /// The place of a calibration error among the unknowns.
     pub(super) fn place_of_error(&self, path: &str) -> Option<usize> {
         self.parameters.iter().position(|parameter| parameter.is_calibration && parameter.key.path == path)

@@ -22,7 +22,7 @@ mod significance;
 use nalgebra::{DMatrix, DVector};
 
 use super::found::Found;
-use super::model::Model;
+use super::model::FittedModel;
 pub use effect::{Change, Choice, Effect};
 use fit::{Fit, Origin};
 use significance::{chance, noise};
@@ -113,7 +113,7 @@ impl Causes {
 impl Traces {
     /// Looks for the traces. One effect is seen where its own shape is looked for long before all residuals together are
     /// more than noise.
-    pub fn of(model: &Model, found: &Found) -> Traces {
+    pub fn of(model: &FittedModel, found: &Found) -> Traces {
         let far = model.has_far_error(&found.minimum.u);
         let Some(projection) = Projection::of(&found.minimum.jacobian) else {
             return Traces { trials: Vec::new(), chance: 1.0, far };
@@ -144,7 +144,7 @@ impl Traces {
 ///
 /// All but the best are tried out by secants alone: their gains are what was found, and they might gain a little more.
 pub(super) fn explain(
-    model: &Model,
+    model: &FittedModel,
     found: &Found,
     traces: &Traces,
     progress: &mut dyn FnMut(&str),
@@ -213,7 +213,7 @@ impl Projection<'_> {
 }
 
 /// What an effect promises; None where the rig cannot have it, has it already, or the data do not show it.
-fn trial(model: &Model, found: &Found, projection: &Projection<'_>, effect: Effect) -> Option<Trial> {
+fn trial(model: &FittedModel, found: &Found, projection: &Projection<'_>, effect: Effect) -> Option<Trial> {
     let residuals = &found.judged.residuals;
     let left = projection.left_of(&change(model, found, effect)?);
     let is_calibration = matches!(effect.change, Change::Calibration(_));
@@ -234,7 +234,7 @@ fn trial(model: &Model, found: &Found, projection: &Projection<'_>, effect: Effe
 
 /// What an effect of its usual size does to the residuals. That of an error of calibration, which is among the unknowns, is
 /// known: it is its column without the term of its tolerance.
-fn change(model: &Model, found: &Found, effect: Effect) -> Option<DVector<f64>> {
+fn change(model: &FittedModel, found: &Found, effect: Effect) -> Option<DVector<f64>> {
     let Change::Calibration(path) = effect.change else {
         let with = model.of_rig(effect.rig(model, 1.0)?);
         return Some(with.residuals_at(&found.minimum.u)? - &found.minimum.residuals);
@@ -259,7 +259,7 @@ mod tests {
             | Change::Switch(path)
             | Change::Word(Choice { path, .. })) = effect.change;
             assert!(find_key(path).is_some(), "{path}");
-            let model = Model::new(&rig, &[], Vec::new(), pneudrive_sim::Accuracy::default());
+            let model = FittedModel::new(&rig, &[], Vec::new(), pneudrive_sim::Accuracy::default());
             assert!(effect.rig(&model, 1.0).is_some(), "{}", effect.name);
         }
     }
@@ -268,7 +268,7 @@ mod tests {
     fn tried(settings: &[&str]) -> Vec<&'static str> {
         let settings: Vec<String> = settings.iter().map(ToString::to_string).collect();
         let rig = Rig::builtin("servo-b").expect("built in").with_settings(&settings).expect("valid");
-        let model = Model::new(&rig, &[], Vec::new(), pneudrive_sim::Accuracy::default());
+        let model = FittedModel::new(&rig, &[], Vec::new(), pneudrive_sim::Accuracy::default());
         let possible = list::EFFECTS.iter().filter(|effect| effect.rig(&model, 1.0).is_some());
         possible.map(|effect| effect.name).collect()
     }

@@ -15,7 +15,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::least_squares::Problem;
 use super::limits::Limit;
-use super::model::{Job, Model, stacked};
+use super::model::{FittedModel, Job, stacked};
 use super::recording::STARTS;
 
 /// Difference in u of an initial state for a derivative: a tenth of a count.
@@ -43,7 +43,7 @@ pub(super) struct Column {
     pub bent: Vec<usize>,
 }
 
-impl Model<'_> {
+impl FittedModel<'_> {
     /// The columns of some unknowns at a point where the residuals are `at`; None for one that can be moved to
     /// neither side.
     pub(super) fn columns(&self, u: &[f64], at: &DVector<f64>, of: Range<usize>) -> Vec<Option<Column>> {
@@ -196,7 +196,7 @@ fn bent(first: usize, rows: &DVector<f64>, bend: &DVector<f64>) -> Vec<usize> {
     (0..rows.len()).filter(bends).map(|i| first + i).collect()
 }
 
-impl Problem for Model<'_> {
+impl Problem for FittedModel<'_> {
     fn residuals(&self, u: &[f64]) -> Option<DVector<f64>> {
         self.residuals_at(u)
     }
@@ -208,11 +208,11 @@ impl Problem for Model<'_> {
     }
 
     fn limits(&self) -> Vec<Limit> {
-        Model::limits(self)
+        FittedModel::limits(self)
     }
 
     fn longest(&self, unknown: usize) -> f64 {
-        Model::longest(self, unknown)
+        FittedModel::longest(self, unknown)
     }
 
     fn is_confined(&self) -> bool {

@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::least_squares::Minimum;
 use super::limits::step_within;
-use super::model::{Model, noise_at_rest, rest};
+use super::model::{FittedModel, noise_at_rest, rest};
 use super::posterior::inverse;
 use super::recording::CHANNELS;
 use super::rounding::{Whitened, judged};
@@ -35,7 +35,7 @@ pub(super) struct Found {
 impl Found {
     /// Standard error of what changes with the unknowns of `model` by these slopes, of noise as correlated as the residuals
     /// are and of the priors.
-    pub fn error(&self, model: &Model, slopes: &DVector<f64>) -> f64 {
+    pub fn error(&self, model: &FittedModel, slopes: &DVector<f64>) -> f64 {
         let by_unknowns = &self.inverse * slopes;
         let of_prior = |i: usize| (by_unknowns[i] / model.prior(i)).powi(2);
         let by_priors: f64 = (0..slopes.len()).map(of_prior).sum();
@@ -52,7 +52,7 @@ impl Found {
 ///
 /// # Errors
 /// When the sensitivities are too far apart.
-pub(super) fn found_at(model: &Model, minimum: Minimum) -> Result<Found> {
+pub(super) fn found_at(model: &FittedModel, minimum: Minimum) -> Result<Found> {
     let blocks = model.blocks();
     let rows = blocks.last().map_or(0, |block| block.rows.end);
     let jacobian = minimum.jacobian.rows(0, rows).into_owned();
@@ -74,7 +74,7 @@ pub(super) fn found_at(model: &Model, minimum: Minimum) -> Result<Found> {
     Ok(Found { minimum, spectrum, moving, judged, by_noise, inverse: covariance })
 }
 
-fn rests(model: &Model) -> [AtRest; CHANNELS.len()] {
+fn rests(model: &FittedModel) -> [AtRest; CHANNELS.len()] {
     std::array::from_fn(|channel| {
         let noise = noise_at_rest(model.recordings, channel);
         at_rest(model.noise[channel], noise, rest(model.recordings, channel).freedom)
@@ -85,7 +85,7 @@ fn rests(model: &Model) -> [AtRest; CHANNELS.len()] {
 ///
 /// # Errors
 /// When the sensitivities are too far apart.
-pub(super) fn refined(model: &Model, found: Found) -> Result<Found> {
+pub(super) fn refined(model: &FittedModel, found: Found) -> Result<Found> {
     let mut best = found;
     for _ in 0..STEPS {
         if !best.judged.rounded.contains(&true) {
@@ -102,7 +102,7 @@ pub(super) fn refined(model: &Model, found: Found) -> Result<Found> {
 }
 
 /// Where a step without rounding leads.
-fn step(model: &Model, found: &Found) -> Option<Minimum> {
+fn step(model: &FittedModel, found: &Found) -> Option<Minimum> {
     let Minimum { u, jacobian, .. } = &found.minimum;
     let (normal, gradient) = (jacobian.tr_mul(jacobian), jacobian.tr_mul(&found.judged.residuals));
     let step = step_within(&normal, &gradient, &model.limits(), u)?;

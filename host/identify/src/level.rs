@@ -19,7 +19,7 @@ use pneudrive_sim::keys;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use super::found::Found;
-use super::model::Model;
+use super::model::FittedModel;
 use super::posterior::NORMAL_95;
 
 /// m/s^2.
@@ -108,7 +108,7 @@ fn common(values: &[(f64, f64, f64)]) -> Common {
 
 /// The incline that a fit suggests, where it is more than a drive that was levelled has; None where the incline or a
 /// constant force is fitted, or not all friction is.
-pub(super) fn suggested(model: &Model, u: &[f64]) -> Option<Incline> {
+pub(super) fn suggested(model: &FittedModel, u: &[f64]) -> Option<Incline> {
     let is_fitted = |path: &str| model.parameters.iter().any(|parameter| parameter.key.path == path);
     if is_fitted(keys::load::INCLINE_DEG.path) || is_fitted(keys::load::CONSTANT_FORCE_N.path) {
         return None;
@@ -124,7 +124,7 @@ pub(super) fn suggested(model: &Model, u: &[f64]) -> Option<Incline> {
 
 /// The incline of a fit that has one among its parameters: with the force that its friction has in common. What the fit
 /// leaves to friction instead does not matter. None where not all friction is fitted.
-pub(super) fn fitted(model: &Model, found: &Found) -> Option<Incline> {
+pub(super) fn fitted(model: &FittedModel, found: &Found) -> Option<Incline> {
     let u = &found.minimum.u;
     let hung = Hung::at(model, u)?;
     let mut slopes = DVector::zeros(u.len());
@@ -152,7 +152,7 @@ struct Hung {
 
 impl Hung {
     /// At a point; None where not all friction is fitted, or too much of it is gone.
-    fn at(model: &Model, u: &[f64]) -> Option<Hung> {
+    fn at(model: &FittedModel, u: &[f64]) -> Option<Hung> {
         let mut values = Vec::new();
         for (path, sign) in FRICTIONS {
             let place = model.parameters.iter().position(|parameter| parameter.key.path == path)?;

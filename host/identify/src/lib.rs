@@ -66,13 +66,13 @@ use calibration::Calibrated;
 use causes::{Causes, Traces};
 use found::Found;
 use level::Incline;
-use model::Model;
+use model::FittedModel;
 use parameter::Parameter;
 use recording::{CHANNELS, Recording, STARTS};
 use search::Termination;
 use spectrum::Spectrum;
 
-use pneudrive_evaluate::wanted::Wanted;
+use pneudrive_evaluate::cancel::CancelToken;
 
 /// A parameter whose standard error is a larger part of that of its prior cannot be seen in the data.
 pub const UNSEEN: f64 = 0.5;
@@ -217,23 +217,23 @@ pub struct Identification {
 ///
 /// # Errors
 /// When there is nothing to fit, the model cannot follow the recordings at the file's values, or nobody waits for it any
-/// more ([`CalledOff`](pneudrive_evaluate::wanted::CalledOff)).
+/// more ([`Cancelled`](pneudrive_evaluate::cancel::Cancelled)).
 pub fn identify(
     rig: &Rig,
     recordings: &[Recording],
     parameters: Vec<Parameter>,
     accuracy: Accuracy,
     progress: &mut dyn FnMut(&str),
-    wanted: Wanted<'_>,
+    cancel: CancelToken<'_>,
 ) -> Result<Identification> {
-    let mut model = Model::new(rig, recordings, parameters, accuracy);
-    model.wanted = wanted;
+    let mut model = FittedModel::new(rig, recordings, parameters, accuracy);
+    model.cancel = cancel;
     let found = fitted(model, progress);
-    wanted.check()?;
+    cancel.check()?;
     found
 }
 
-fn fitted(mut model: Model<'_>, progress: &mut dyn FnMut(&str)) -> Result<Identification> {
+fn fitted(mut model: FittedModel<'_>, progress: &mut dyn FnMut(&str)) -> Result<Identification> {
     if model.parameters.is_empty() || model.recordings.is_empty() {
         bail!("a fit needs a parameter and a transient");
     }
@@ -261,7 +261,7 @@ fn fitted(mut model: Model<'_>, progress: &mut dyn FnMut(&str)) -> Result<Identi
     Ok(Identification { causes, cut, runs: model.runs(), evaluations: model.budget.spent(), ..told })
 }
 
-impl Model<'_> {
+impl FittedModel<'_> {
     /// The keys of parameters of a kind.
     fn parameters_where(&self, is: impl Fn(usize) -> bool) -> Vec<&'static str> {
         (0..self.parameters.len()).filter(|&i| is(i)).map(|i| self.parameters[i].key.path).collect()
@@ -291,7 +291,7 @@ impl Model<'_> {
 }
 
 fn finished(
-    model: &Model,
+    model: &FittedModel,
     found: &Found,
     posterior: &assumed::Considered,
     silent: Vec<Unseen>,

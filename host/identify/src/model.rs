@@ -19,8 +19,8 @@ use super::budget::Budget;
 use super::limits::Limit;
 use super::parameter::Parameter;
 use super::recording::{CHANNELS, Channel, Recording, STARTS, reading};
+use pneudrive_evaluate::cancel::CancelToken;
 use pneudrive_evaluate::parallel;
-use pneudrive_evaluate::wanted::Wanted;
 
 /// What u = 1 is of a quantity of an initial state, counts; its prior standard deviation.
 const COUNTS: f64 = 10.0;
@@ -43,7 +43,7 @@ const APART: f64 = 1e-9;
 
 /// The model, the data, and what is fitted.
 #[derive(Clone, Debug)]
-pub(super) struct Model<'a> {
+pub(super) struct FittedModel<'a> {
     /// At the file's values.
     pub rig: Rig,
     /// The data.
@@ -59,7 +59,7 @@ pub(super) struct Model<'a> {
     /// Whether the search is fine: derivatives from differences to both sides.
     pub fine: bool,
     /// Whether somebody waits for the fit.
-    pub wanted: Wanted<'a>,
+    pub cancel: CancelToken<'a>,
     /// Runs of a recording so far, counted together with those of its copies.
     runs: Arc<AtomicUsize>,
     /// What may be spent, likewise.
@@ -82,14 +82,14 @@ pub(super) struct Job<'u> {
     pub recording: usize,
 }
 
-impl<'a> Model<'a> {
+impl<'a> FittedModel<'a> {
     pub fn new(
         rig: &Rig,
         recordings: &'a [Recording],
         parameters: Vec<Parameter>,
         accuracy: Accuracy,
-    ) -> Model<'a> {
-        Model {
+    ) -> FittedModel<'a> {
+        FittedModel {
             rig: rig.clone(),
             recordings,
             parameters,
@@ -97,20 +97,20 @@ impl<'a> Model<'a> {
             noise: first_noise(recordings),
             share: 1.0,
             fine: false,
-            wanted: Wanted::ALWAYS,
+            cancel: CancelToken::NEVER,
             runs: Arc::default(),
             budget: Budget::default(),
         }
     }
 
     /// The same of another rig.
-    pub fn of_rig(&self, rig: Rig) -> Model<'a> {
-        Model { rig, ..self.clone() }
+    pub fn of_rig(&self, rig: Rig) -> FittedModel<'a> {
+        FittedModel { rig, ..self.clone() }
     }
 
     /// The same with more parameters.
-    pub fn with(&self, more: &[Parameter]) -> Model<'a> {
-        Model { parameters: [&self.parameters[..], more].concat(), ..self.clone() }
+    pub fn with(&self, more: &[Parameter]) -> FittedModel<'a> {
+        FittedModel { parameters: [&self.parameters[..], more].concat(), ..self.clone() }
     }
 
     /// How many numbers are unknown.
@@ -165,7 +165,7 @@ impl<'a> Model<'a> {
     }
 
     fn try_to_follow(&self, job: &Job<'_>) -> Result<DVector<f64>> {
-        self.wanted.check()?;
+        self.cancel.check()?;
         let recording = &self.recordings[job.recording];
         self.runs.fetch_add(1, Ordering::Relaxed);
         let start = recording.start(self.start_at(job.u, job.recording), &self.calibration_at(job.u));

@@ -122,7 +122,7 @@ fn middle_of_count(rig: &Rig, position: f64) -> f64 {
 
 /// Counts of a converter as those of the rig's drive stage.
 fn scaled(rig: &Rig, counts: i32) -> i32 {
-    if rig.get(&keys::operator::MODEL) != operator::Model::Stepper {
+    if rig.get(&keys::operator::MODEL) != operator::OperatorKind::Stepper {
         return counts;
     }
     let full = rig.get(&keys::stepper::MAX_STEPS) as f64;

@@ -259,8 +259,8 @@ pub fn usual(rig: &Rig) -> Vec<Parameter> {
 fn belongs(rig: &Rig, path: &str) -> bool {
     let leakage = rig.get(&keys::leakage::LEAKAGE);
     match path {
-        _ if path == keys::leakage::LEAKAGE_COEFFICIENT.path => leakage == leakage::Model::Laminar,
-        _ if path == keys::leakage::PASSAGE_CLEARANCE_M.path => leakage == leakage::Model::Adiabatic,
+        _ if path == keys::leakage::LEAKAGE_COEFFICIENT.path => leakage == leakage::LeakageKind::Laminar,
+        _ if path == keys::leakage::PASSAGE_CLEARANCE_M.path => leakage == leakage::LeakageKind::Adiabatic,
         _ => true,
     }
 }

@@ -15,7 +15,7 @@ pub use super::recording::NEEDS_PRESSURES;
 use super::recording::Recording;
 
 /// A rig that tests can be run on.
-pub trait Bench {
+pub trait TestRig {
     /// Runs a test to its end, in the loop that its rig file has, and disarms the drive.
     ///
     /// # Errors
@@ -63,7 +63,7 @@ impl Recorded {
 ///
 /// # Errors
 /// When a test cannot be run or recorded, or the drive does not move in the direction of the valve.
-pub fn run(bench: &mut impl Bench, closed: &Rig, open: &Rig, count: i32) -> Result<Recorded> {
+pub fn run(bench: &mut impl TestRig, closed: &Rig, open: &Rig, count: i32) -> Result<Recorded> {
     if !open.get(&keys::sensors::PRESSURE) {
         bail!("the rig has no pressure sensors (sensors.pressure = false): {NEEDS_PRESSURES}");
     }
@@ -79,7 +79,7 @@ struct Plan<'a, B> {
     count: i32,
 }
 
-impl<B: Bench> Plan<'_, B> {
+impl<B: TestRig> Plan<'_, B> {
     fn run(mut self) -> Result<Recorded> {
         let middle = encoder::middle(self.open, f64::from(self.count));
         let position = middle * 1e-3 * mm_per_count(self.open);

@@ -170,7 +170,7 @@ impl Recording {
         let header = Header::of(file)?.parameters;
         let parameter = |id: u16| header.get(id).unwrap_or(0);
         let stepper = parameter(id::STEPPER) != 0;
-        if stepper != (rig.get(&keys::operator::MODEL) == operator::Model::Stepper) {
+        if stepper != (rig.get(&keys::operator::MODEL) == operator::OperatorKind::Stepper) {
             bail!("it and the rig file do not have the same drive stage (operator.model)");
         }
         if recorded.len() < FEWEST_OF_A_RECORD {

@@ -15,7 +15,7 @@ use std::f64::consts::{PI, TAU};
 
 use nalgebra::DVector;
 
-use super::model::{Block, Model};
+use super::model::{Block, FittedModel};
 use super::recording::CHANNELS;
 
 /// Noise that is tried, counts.
@@ -52,7 +52,7 @@ fn mean_error(counts: f64, noise: f64) -> f64 {
 }
 
 /// The residuals of a point as they are judged.
-pub(super) fn judged(model: &Model, residuals: &DVector<f64>) -> Whitened {
+pub(super) fn judged(model: &FittedModel, residuals: &DVector<f64>) -> Whitened {
     let mut left = residuals.clone();
     let mut rounded = [false; CHANNELS.len()];
     for (channel, rounded) in rounded.iter_mut().enumerate().skip(FIRST) {
@@ -69,7 +69,12 @@ pub(super) fn judged(model: &Model, residuals: &DVector<f64>) -> Whitened {
 }
 
 /// The residuals, those of a channel without the rounding that is known at some noise.
-fn without_rounding(model: &Model, residuals: &DVector<f64>, channel: usize, noise: f64) -> DVector<f64> {
+fn without_rounding(
+    model: &FittedModel,
+    residuals: &DVector<f64>,
+    channel: usize,
+    noise: f64,
+) -> DVector<f64> {
     let mut without = residuals.clone();
     let sigma = model.noise[channel];
     for (row, measured) in model.rows_of_channel(channel) {
@@ -80,7 +85,7 @@ fn without_rounding(model: &Model, residuals: &DVector<f64>, channel: usize, noi
 }
 
 /// Sum of squared differences of neighbours: slow residuals, as a model leaves them, are hardly in it.
-fn scatter(model: &Model, residuals: &DVector<f64>, channel: usize) -> f64 {
+fn scatter(model: &FittedModel, residuals: &DVector<f64>, channel: usize) -> f64 {
     let of_block = |block: Block| {
         let of = &residuals.as_slice()[block.rows];
         of.windows(2).map(|pair| (pair[1] - pair[0]).powi(2)).sum::<f64>()
@@ -88,7 +93,7 @@ fn scatter(model: &Model, residuals: &DVector<f64>, channel: usize) -> f64 {
     model.blocks().into_iter().filter(|block| block.channel == channel).map(of_block).sum()
 }
 
-fn copy(model: &Model, channel: usize, from: &DVector<f64>, to: &mut DVector<f64>) {
+fn copy(model: &FittedModel, channel: usize, from: &DVector<f64>, to: &mut DVector<f64>) {
     for block in model.blocks().into_iter().filter(|block| block.channel == channel) {
         to.as_mut_slice()[block.rows.clone()].copy_from_slice(&from.as_slice()[block.rows]);
     }

@@ -12,7 +12,7 @@ use super::calibration;
 use super::causes::{self, Causes, Traces};
 use super::found::{Found, found_at, refined};
 use super::least_squares::{Minimum, minimise};
-use super::model::{Model, first_noise};
+use super::model::{FittedModel, first_noise};
 
 /// Number of times that a search is restarted.
 const RESTARTS: usize = 2;
@@ -34,7 +34,7 @@ const AWAY: [f64; 3] = [1.0, 2.0, 4.0];
 const BELOW: f64 = 25.0;
 
 /// Why the model cannot follow the recordings at a point.
-pub(super) fn cannot_follow(model: &Model, u: &[f64]) -> anyhow::Error {
+pub(super) fn cannot_follow(model: &FittedModel, u: &[f64]) -> anyhow::Error {
     let reason = model.failure(u).unwrap_or_else(|| anyhow!("it has no derivatives there"));
     reason.context(format!("the model of {} cannot follow the commands of the transients", model.rig.name()))
 }
@@ -52,7 +52,7 @@ pub(super) struct Termination {
 /// From `start` to a minimum that leaves noise alone, or noise and an effect that the rig file lacks; from other points
 /// where it is another one.
 pub(super) fn search(
-    model: &mut Model,
+    model: &mut FittedModel,
     start: Vec<f64>,
     progress: &mut dyn FnMut(&str),
 ) -> Result<Termination> {
@@ -77,7 +77,7 @@ pub(super) fn search(
 
 /// The best minimum of searches from other points as well, while none leaves noise alone.
 fn from_elsewhere(
-    model: &mut Model,
+    model: &mut FittedModel,
     mut best: Found,
     mut from: Vec<f64>,
     progress: &mut dyn FnMut(&str),
@@ -103,7 +103,7 @@ fn from_elsewhere(
 }
 
 /// The best of the points that lie beside one along a parameter.
-fn scanned(model: &Model, from: Vec<f64>) -> Vec<f64> {
+fn scanned(model: &FittedModel, from: Vec<f64>) -> Vec<f64> {
     let mut best = (model.mean_square(&from), from.clone());
     let of_the_rig = |i: &usize| !model.parameters[*i].is_calibration;
     for i in (0..model.parameters.len()).filter(of_the_rig) {
@@ -120,7 +120,7 @@ fn scanned(model: &Model, from: Vec<f64>) -> Vec<f64> {
 }
 
 /// A minimum with the noise that its residuals show; beyond the jumps around it, if it leaves more.
-fn settled(model: &mut Model, first: Found, progress: &mut dyn FnMut(&str)) -> Result<Found> {
+fn settled(model: &mut FittedModel, first: Found, progress: &mut dyn FnMut(&str)) -> Result<Found> {
     let mut best = with_its_noise(model, first, progress)?;
     for _ in 0..LOOKS {
         if model.budget.is_spent() {
@@ -143,13 +143,13 @@ fn settled(model: &mut Model, first: Found, progress: &mut dyn FnMut(&str)) -> R
 }
 
 /// n ln(rms) over the channels, which compares two fits independently of their weights.
-fn spread(model: &Model, found: &Found) -> f64 {
+fn spread(model: &FittedModel, found: &Found) -> f64 {
     let fits = model.channel_fits(&found.minimum.residuals);
     fits.iter().flatten().map(|fit| fit.samples as f64 * fit.after.ln()).sum()
 }
 
 /// The point around a minimum whose sum of squares is farthest below what the derivatives promise, if there is one.
-fn beyond_a_jump(model: &Model, found: &Found) -> Option<Vec<f64>> {
+fn beyond_a_jump(model: &FittedModel, found: &Found) -> Option<Vec<f64>> {
     let Minimum { u, residuals, jacobian, .. } = &found.minimum;
     let eigen = SymmetricEigen::new(found.by_noise.clone());
     let root =
@@ -175,7 +175,11 @@ fn normal(random: &mut ChaCha8Rng) -> f64 {
 }
 
 /// From a minimum to that with the noise that the residuals there show.
-fn with_its_noise(model: &mut Model, mut found: Found, progress: &mut dyn FnMut(&str)) -> Result<Found> {
+fn with_its_noise(
+    model: &mut FittedModel,
+    mut found: Found,
+    progress: &mut dyn FnMut(&str),
+) -> Result<Found> {
     for _ in 1..ROUNDS {
         let shown = found.moving.noise.map(|noise| noise.unwrap_or(1.0));
         if shown.iter().all(|noise| (noise - 1.0).abs() < SAME_NOISE) {
@@ -189,7 +193,7 @@ fn with_its_noise(model: &mut Model, mut found: Found, progress: &mut dyn FnMut(
     Ok(found)
 }
 
-fn found(model: &Model, u: &[f64], progress: &mut dyn FnMut(&str)) -> Result<Found> {
+fn found(model: &FittedModel, u: &[f64], progress: &mut dyn FnMut(&str)) -> Result<Found> {
     let minimum = minimise(model, u, true, progress).ok_or_else(|| cannot_follow(model, u))?;
     refined(model, found_at(model, minimum)?)
 }

@@ -30,7 +30,7 @@ struct Figures {
     identical: u32,
     named_errors: u32,
     frames: usize,
-    harmed: usize,
+    damaged: usize,
     asked_again: u32,
     longest: Duration,
 }
@@ -51,7 +51,7 @@ fn download(case: &Case, figures: &mut Figures) -> Result<(), TestCaseError> {
     });
     rig.change(|simulation| {
         figures.frames += simulation.up.frames + simulation.down.frames;
-        figures.harmed += simulation.up.harmed + simulation.down.harmed;
+        figures.damaged += simulation.up.damaged + simulation.down.damaged;
         figures.longest = figures.longest.max(simulation.now());
     });
     match record {
@@ -80,7 +80,7 @@ fn a_download_over_a_faulty_line_is_the_record_or_a_named_error() {
     let result = TestRunner::new(config).run(&any_case(), |case| download(&case, &mut counted.borrow_mut()));
     println!("{figures:?}");
     result.unwrap_or_else(|failure| panic!("{failure}"));
-    assert!(figures.harmed > 0 && figures.asked_again > 0 && figures.named_errors > 0, "{figures:?}");
+    assert!(figures.damaged > 0 && figures.asked_again > 0 && figures.named_errors > 0, "{figures:?}");
 }
 
 /// Bytes that the line could have carried from the first request for the record to its last chunk.

@@ -2,7 +2,7 @@
 
 use pneudrive_controller::Parameters;
 use pneudrive_controller::parameters::{TABLE, id};
-use pneudrive_protocol::{Refused, ReplyBody, Request, RequestBody, VERSION};
+use pneudrive_protocol::{ReplyBody, Request, RequestBody, RequestRefusal, VERSION};
 use pneudrive_records::target::TargetFile;
 
 use crate::simulated_link::{self, Random, SimulatedRig, Simulation, any_samples};
@@ -47,9 +47,9 @@ fn lacks_some(request: &Request<'_>) -> Option<ReplyBody<'static>> {
         RequestBody::ConfigGet { first_id, count } => {
             let mut ids = first_id..first_id + u16::from(count);
             let id = ids.find(|id| (LAST + 1..id::GAIN_PROFILE).contains(id))?;
-            Refused::UnknownParameter { id }
+            RequestRefusal::UnknownParameter { id }
         }
-        RequestBody::Io => Refused::Unknown,
+        RequestBody::Io => RequestRefusal::Unknown,
         _ => return None,
     };
     Some(ReplyBody::Refused(refused))

@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 
 use anyhow::{Context, Result, bail};
 use pneudrive_design::six_drives::{SIX_DRIVES, rig_file_of};
-use pneudrive_evaluate::wanted::Wanted;
+use pneudrive_evaluate::cancel::CancelToken;
 use pneudrive_optimise::positioning::draw::TOLERANCE;
 use pneudrive_optimise::positioning::{Plan, Spread, bound, sine, steps, usual_step_mm};
 use pneudrive_optimise::tuning::search::Budget;
@@ -146,7 +146,7 @@ impl Drive<'_> {
             draws: 0,
             budget: BUDGET,
         };
-        let found = tune(&task, |_| {}, Wanted::ALWAYS)?.after.settings;
+        let found = tune(&task, |_| {}, CancelToken::NEVER)?.after.settings;
         eprintln!("{}, {law}: {}", self.name, found.join(" "));
         self.found.insert(law, found.clone());
         Ok(found)

@@ -28,8 +28,8 @@ use pneudrive_sim::rig::Problems;
 use pneudrive_sim::{Accuracy, Convergence, Recording, Rig, Run, check_convergence, run_recorded};
 
 use crate::runners::Runners;
+use pneudrive_evaluate::cancel::{CancelToken, Cancelled};
 use pneudrive_evaluate::parallel;
-use pneudrive_evaluate::wanted::{CalledOff, Wanted};
 
 /// A run, and the measurements of it and of its perturbed runs.
 #[derive(Clone, Debug)]
@@ -87,7 +87,7 @@ pub fn reversed(mut number: usize, base: usize) -> f64 {
 /// and the whole work, in samples of one run.
 ///
 /// # Errors
-/// When the rig itself cannot be simulated, or nobody waits for it any more ([`CalledOff`]); a run that has begun comes to
+/// When the rig itself cannot be simulated, or nobody waits for it any more ([`Cancelled`]); a run that has begun comes to
 /// its end. Failures of perturbed runs are in [`Judged::lost`].
 pub fn run_ensemble<T: Send>(
     rig: &Rig,
@@ -95,7 +95,7 @@ pub fn run_ensemble<T: Send>(
     spacing: Spacing,
     measure: impl Fn(&Rig, &Run) -> T + Sync,
     mut progress: impl FnMut(u64, u64) + Send,
-    wanted: Wanted<'_>,
+    cancel: CancelToken<'_>,
 ) -> Result<Ensemble<T>> {
     let samples = u64::from(rig.last_sample()).max(1);
     let all = samples * (spacing.runs as u64 + 1);
@@ -107,7 +107,7 @@ pub fn run_ensemble<T: Send>(
     let needed = Accuracy::of_member(rig, spacing.relative).tolerance;
     let of_members = Accuracy { tolerance: needed.max(accuracy.tolerance), ..accuracy };
     let carry_out = |job: &Job| match job {
-        _ if !wanted.now() => Done::Failed(CalledOff.to_string()),
+        _ if !cancel.is_live() => Done::Failed(Cancelled.to_string()),
         Job::Nominal => Done::Measured(measure(rig, &nominal), None),
         Job::Convergence => {
             Done::Converged(check_convergence(rig, accuracy, &nominal).unwrap_or(Convergence::UNKNOWN))
@@ -121,7 +121,7 @@ pub fn run_ensemble<T: Send>(
         }
     };
     let done = parallel::map(&jobs, carry_out, |done| progress(samples * (done as u64).max(1), all));
-    wanted.check()?;
+    cancel.check()?;
     let Gathered { measured, convergence, lost } = Gathered::of(done, failed);
     let band = (spacing.runs > 1).then(|| band.into_inner().expect("no thread panics with it"));
     let nominal = Judged { run: nominal, accuracy, convergence, band, spacing, lost, columns: Vec::new() };
@@ -216,7 +216,7 @@ mod tests {
             Spacing::default(),
             end,
             |done, all| told.push((done, all)),
-            Wanted::ALWAYS,
+            CancelToken::NEVER,
         );
         let found = found.expect("runs");
         let alone = run(&rig, accuracy).expect("a run");
@@ -242,9 +242,9 @@ mod tests {
             Spacing { runs: 64, relative: 1e-5 },
             measure,
             |_, _| {},
-            Wanted::so_long(&wanted),
+            CancelToken::cancelled_unless(&wanted),
         );
-        assert!(found.expect_err("called off").is::<CalledOff>());
+        assert!(found.expect_err("called off").is::<Cancelled>());
         let measured = measured.into_inner().expect("a lock");
         // One more is on its way on each thread at most.
         assert!((2..2 + parallel::threads().get()).contains(&measured), "{measured}");
@@ -254,7 +254,7 @@ mod tests {
     fn one_run_has_no_band() {
         let rig = rig();
         let spacing = Spacing { runs: 1, ..Spacing::default() };
-        let found = run_ensemble(&rig, Accuracy::of(&rig), spacing, |_, _| (), |_, _| {}, Wanted::ALWAYS)
+        let found = run_ensemble(&rig, Accuracy::of(&rig), spacing, |_, _| (), |_, _| {}, CancelToken::NEVER)
             .expect("a run");
         assert!(found.nominal.band.is_none() && found.measured.len() == 1);
         assert!(found.nominal.convergence.closest_edge.is_some());
@@ -264,8 +264,14 @@ mod tests {
     #[test]
     fn perturbed_runs_beyond_the_limits_are_told_and_the_run_is_there() {
         let rig = rig().with_numbers(&[("load.mass_kg", 1e5)]).expect("valid");
-        let found =
-            run_ensemble(&rig, Accuracy::of(&rig), Spacing::default(), |_, _| (), |_, _| {}, Wanted::ALWAYS);
+        let found = run_ensemble(
+            &rig,
+            Accuracy::of(&rig),
+            Spacing::default(),
+            |_, _| (),
+            |_, _| {},
+            CancelToken::NEVER,
+        );
         let found = found.expect("the rig itself runs");
         let failed = found.nominal.lost.failed;
         assert!((1..7).contains(&failed.len()) && found.measured.len() == 8 - failed.len());
@@ -285,7 +291,7 @@ mod tests {
             spacing,
             |_, run| run.fault.is_some(),
             |_, _| {},
-            Wanted::ALWAYS,
+            CancelToken::NEVER,
         );
         let found = found.expect("runs");
         let tripped = found.measured.iter().filter(|tripped| **tripped).count();

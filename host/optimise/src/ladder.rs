@@ -15,10 +15,10 @@ use pneudrive_sim::keys;
 use pneudrive_sim::{Accuracy, Convergence, Rig, run};
 
 use crate::ensemble::run_ensemble;
+use pneudrive_evaluate::cancel::CancelToken;
 use pneudrive_evaluate::deviation::{Deviation, deviations};
 use pneudrive_evaluate::range::with_range;
 use pneudrive_evaluate::transient::{CHANNELS, POSITION, PRESSURES, Transient};
-use pneudrive_evaluate::wanted::Wanted;
 use pneudrive_report::{COLOURS, Curve, Figure, Look, Page, Panel, Table};
 
 /// A component and its models, the most complete one first: its name, and its keys.
@@ -143,8 +143,14 @@ impl Climbed {
         // Alone, because other work would be in its time.
         let time_over_reference = timed(plan, reference, clock)?;
         let transient = |rig: &Rig, run: &_| Transient::of_simulation(&name, rig, run);
-        let ensemble =
-            run_ensemble(&plan.rig, Accuracy::of(&plan.rig), spacing, transient, |_, _| {}, Wanted::ALWAYS)?;
+        let ensemble = run_ensemble(
+            &plan.rig,
+            Accuracy::of(&plan.rig),
+            spacing,
+            transient,
+            |_, _| {},
+            CancelToken::NEVER,
+        )?;
         if let Some(why) = ensemble.nominal.lost.failed.first() {
             bail!("{name}: a perturbed run cannot be simulated; write a smaller --change: {why}");
         }
@@ -190,7 +196,7 @@ fn plans(source: &(String, String), settings: &[String]) -> Result<Vec<Plan>> {
         Plan { component: "", model: "as in the file", rig: file },
     ];
     let has_areas = has_areas(&reference);
-    plans.extend(others(&reference, "valve", &keys::valve::MODEL, |model: valve::Model| {
+    plans.extend(others(&reference, "valve", &keys::valve::MODEL, |model: valve::ValveKind| {
         has_areas && model.facts().has_areas()
     }));
     for (component, models) in COMPONENTS {
@@ -208,7 +214,7 @@ fn plans(source: &(String, String), settings: &[String]) -> Result<Vec<Plan>> {
         &reference,
         "friction of the load",
         &keys::friction::FRICTION,
-        |_: friction::Model| true,
+        |_: friction::FrictionKind| true,
     ));
     Ok(plans)
 }
@@ -216,7 +222,7 @@ fn plans(source: &(String, String), settings: &[String]) -> Result<Vec<Plan>> {
 /// The most complete model of a valve that is known by its areas.
 fn with_nodes(rig: &Rig) -> Option<String> {
     let complete = |facts: Facts| facts.has_areas() && facts.has_node && !facts.replaces_tubes;
-    let model = valve::Model::ALL.iter().find(|model| complete(model.facts()))?;
+    let model = valve::ValveKind::ALL.iter().find(|model| complete(model.facts()))?;
     has_areas(rig).then(|| format!("{}={}", keys::valve::MODEL.path, model.word()))
 }
 
@@ -246,7 +252,7 @@ fn applies(rig: &Rig, settings: &[&str]) -> bool {
     settings.iter().all(|setting| match setting.split_once('=') {
         Some(("valve.flow_force", "none")) => true,
         Some(("valve.flow_force" | "operator.model", _)) => operator.is_solenoid(),
-        Some((path, _)) if path.starts_with("operator.") => operator == operator::Model::Solenoid,
+        Some((path, _)) if path.starts_with("operator.") => operator == operator::OperatorKind::Solenoid,
         _ => true,
     })
 }

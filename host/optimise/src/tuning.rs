@@ -49,8 +49,8 @@ pub use limiting_imperfection::LimitingImperfection;
 pub use proportion::Proportion;
 pub use spread::{Relative, Variant};
 
-use drive::{Drive, Meter};
-use pneudrive_evaluate::wanted::Wanted;
+use drive::{Meter, TunedDrive};
+use pneudrive_evaluate::cancel::CancelToken;
 use search::Budget;
 
 /// The task.
@@ -86,7 +86,7 @@ impl Task {
     /// # Errors
     /// When the rig has no gains to look for.
     pub fn max_runs(&self) -> Result<usize> {
-        let drive = Drive::of(self, &[], Wanted::ALWAYS)?;
+        let drive = TunedDrive::of(self, &[], CancelToken::NEVER)?;
         let each = spread::tuned_on(&self.spread, self.budget.seed).len();
         let finalists = (FINALISTS + 1) * (each + trial::MEMBERS);
         let of_suspect = limiting_imperfection::budget(&self.budget).runs(each) + each + self.draws;
@@ -163,10 +163,14 @@ const FINALISTS: usize = 3;
 ///
 /// # Errors
 /// When the rig has no gains to look for, a key cannot be held, the step does not fit into its stroke, or nobody waits
-/// for it any more ([`CalledOff`](pneudrive_evaluate::wanted::CalledOff)).
-pub fn tune(task: &Task, mut progress: impl FnMut(Progress) + Send, wanted: Wanted<'_>) -> Result<Tuned> {
+/// for it any more ([`Cancelled`](pneudrive_evaluate::cancel::Cancelled)).
+pub fn tune(
+    task: &Task,
+    mut progress: impl FnMut(Progress) + Send,
+    cancel: CancelToken<'_>,
+) -> Result<Tuned> {
     fixed::check(task)?;
-    let drive = Drive::of(task, &[], wanted)?;
+    let drive = TunedDrive::of(task, &[], cancel)?;
     let (tuned_on, fresh) = (
         spread::tuned_on(&task.spread, task.budget.seed),
         spread::fresh(&task.spread, task.budget.seed, task.draws),
@@ -197,7 +201,7 @@ pub fn tune(task: &Task, mut progress: impl FnMut(Progress) + Send, wanted: Want
     } else {
         Vec::new()
     };
-    wanted.check()?;
+    cancel.check()?;
     let runs = meter.runs();
     Ok(Tuned { tuned_on, fresh, before, after, progress: outcome.history, obstacles, runs })
 }

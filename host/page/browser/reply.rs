@@ -1,6 +1,6 @@
 //! A request answered.
 
-use pneudrive_page::refusal::Refusal;
+use pneudrive_page::refusal::HttpRefusal;
 use pneudrive_page::rigs::{self, Opened};
 use pneudrive_page::study::{Audience, Study};
 use pneudrive_page::{Answer, answer};
@@ -39,9 +39,9 @@ pub fn reply(request: &[u8], hears: &mut (dyn FnMut(Value) + Send)) -> Reply {
     }
 }
 
-fn answered(request: &[u8], hears: &mut (dyn FnMut(Value) + Send)) -> Result<Answer, Refusal> {
+fn answered(request: &[u8], hears: &mut (dyn FnMut(Value) + Send)) -> Result<Answer, HttpRefusal> {
     let Request { request, body } =
-        serde_json::from_slice(request).map_err(|error| Refusal::malformed(&error))?;
+        serde_json::from_slice(request).map_err(|error| HttpRefusal::malformed(&error))?;
     match request.as_str() {
         "rigs" => Ok(Answer::Json(rigs::list(&Opened::builtin(FIRST)?))),
         "port" => Ok(Answer::Json(json!({ "port": null }))),

@@ -4,7 +4,7 @@ use http::StatusCode;
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
 
-use crate::refusal::Refusal;
+use crate::refusal::HttpRefusal;
 use crate::rigs::Opened;
 use crate::study::{self, Study};
 use crate::{check, compare, difference, keys, rigs, simulation, spectrum};
@@ -26,7 +26,11 @@ pub const REQUESTS: [&str; 7] = ["check", "run", "ensemble", "compare", "spectru
 ///
 /// # Errors
 /// The reason why it is not carried out: not found, malformed, or an invalid rig.
-pub fn answer(request: &str, body: &Value, wanted: &(dyn Fn() -> bool + Sync)) -> Result<Answer, Refusal> {
+pub fn answer(
+    request: &str,
+    body: &Value,
+    wanted: &(dyn Fn() -> bool + Sync),
+) -> Result<Answer, HttpRefusal> {
     match request {
         "keys" => Ok(Answer::Json(keys::table())),
         "choices" => Ok(Answer::Json(study::choices())),
@@ -39,19 +43,20 @@ pub fn answer(request: &str, body: &Value, wanted: &(dyn Fn() -> bool + Sync)) -
         "compare" => compare::answer(&read(body)?).map(Answer::Columns),
         "spectrum" => spectrum::answer(&read(body)?).map(Answer::Columns),
         "difference" => difference::answer(&read(body)?).map(Answer::Json),
-        _ => Err(Refusal::new(StatusCode::NOT_FOUND, format!("there is no request {request}"))),
+        _ => Err(HttpRefusal::new(StatusCode::NOT_FOUND, format!("there is no request {request}"))),
     }
 }
 
 /// The text of the rig file that a page saves.
-fn written(body: &Value) -> Result<Answer, Refusal> {
+fn written(body: &Value) -> Result<Answer, HttpRefusal> {
     let rigs::ToSave { asked, file, .. } = read(body)?;
     let text = rigs::text_to_save(&asked, &file)?;
     Ok(Answer::Json(json!({ "name": file, "text": text })))
 }
 
-fn read<T: DeserializeOwned>(body: &Value) -> Result<T, Refusal> {
-    T::deserialize(body).map_err(|error| Refusal::new(StatusCode::UNPROCESSABLE_ENTITY, error.to_string()))
+fn read<T: DeserializeOwned>(body: &Value) -> Result<T, HttpRefusal> {
+    T::deserialize(body)
+        .map_err(|error| HttpRefusal::new(StatusCode::UNPROCESSABLE_ENTITY, error.to_string()))
 }
 
 #[cfg(test)]

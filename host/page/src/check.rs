@@ -5,19 +5,19 @@ use pneudrive_sim::Rig;
 use pneudrive_sim::rig::{Value as RigValue, all_keys};
 use serde_json::{Map, Value, json};
 
-use crate::asked::Asked;
+use crate::page_rig::PageRig;
 use crate::refusal;
 
 /// The problems of a rig, each at its key. For a valid rig: its values, their origins, and the keys that its models use.
 #[must_use]
-pub fn answer(asked: &Asked) -> Value {
+pub fn answer(asked: &PageRig) -> Value {
     match asked.rig() {
         Ok(rig) => of_rig(asked, &rig),
         Err(problems) => json!({ "problems": refusal::to_json(&problems) }),
     }
 }
 
-fn of_rig(asked: &Asked, rig: &Rig) -> Value {
+fn of_rig(asked: &PageRig, rig: &Rig) -> Value {
     let used: Vec<&str> = all_keys().filter(|key| rig.uses(key)).map(|key| key.path).collect();
     let values: Map<String, Value> =
         values::entries(rig).map(|entry| (entry.key.path.to_owned(), value(&entry))).collect();

@@ -9,16 +9,16 @@ use pneudrive_sim::{Accuracy, run};
 use serde::Deserialize;
 use serde_json::{Value, json};
 
-use crate::asked::Asked;
 use crate::columns::{Column, Columns};
-use crate::refusal::Refusal;
+use crate::page_rig::PageRig;
+use crate::refusal::HttpRefusal;
 use crate::simulation::{rig_of, to_json};
 
 /// A record, and the rig of the page.
 #[derive(Debug, Deserialize)]
 pub struct Compared {
     #[serde(flatten)]
-    asked: Asked,
+    asked: PageRig,
     record: Record,
     #[serde(default, with = "AlignName")]
     align: Align,
@@ -56,15 +56,15 @@ impl Record {
     ///
     /// # Errors
     /// When the file or folder is damaged, or is of another kind.
-    pub(crate) fn transient(&self) -> Result<Transient, Refusal> {
+    pub(crate) fn transient(&self) -> Result<Transient, HttpRefusal> {
         match &self.content {
             Content::File { .. } => {
                 let transient = Transient::of_target(&self.name, &self.target()?);
-                transient.map_err(|error| Refusal::wrong(format!("{}: {error:#}", self.name)))
+                transient.map_err(|error| HttpRefusal::wrong(format!("{}: {error:#}", self.name)))
             }
             Content::Folder { run_json, trace_csv } => {
                 let run = StoredRun::of_files(&self.name, run_json, trace_csv);
-                let run = run.map_err(|error| Refusal::wrong(format!("{error:#}")))?;
+                let run = run.map_err(|error| HttpRefusal::wrong(format!("{error:#}")))?;
                 Ok(Transient::of_run(&self.name, &run))
             }
         }
@@ -82,12 +82,12 @@ impl Record {
     ///
     /// # Errors
     /// When it is damaged, or is a simulated run.
-    pub(crate) fn target(&self) -> Result<TargetFile, Refusal> {
+    pub(crate) fn target(&self) -> Result<TargetFile, HttpRefusal> {
         match &self.content {
             Content::File { text } => TargetFile::from_text(text)
-                .map_err(|error| Refusal::wrong(format!("{}: {error:#}", self.name))),
+                .map_err(|error| HttpRefusal::wrong(format!("{}: {error:#}", self.name))),
             Content::Folder { .. } => {
-                Err(Refusal::wrong(format!("{} is a simulated run, and no record of a rig", self.name)))
+                Err(HttpRefusal::wrong(format!("{} is a simulated run, and no record of a rig", self.name)))
             }
         }
     }
@@ -97,14 +97,15 @@ impl Record {
 ///
 /// # Errors
 /// When the file is damaged or of another kind, the two cannot be aligned, or the rig cannot be simulated.
-pub fn answer(Compared { asked, record, align }: &Compared) -> Result<Vec<u8>, Refusal> {
+pub fn answer(Compared { asked, record, align }: &Compared) -> Result<Vec<u8>, HttpRefusal> {
     let mut recorded = record.transient()?;
     let simulated = simulated(asked)?;
-    let shift = align.shift(&simulated, &recorded).map_err(|error| Refusal::wrong(format!("{error:#}")))?;
+    let shift =
+        align.shift(&simulated, &recorded).map_err(|error| HttpRefusal::wrong(format!("{error:#}")))?;
     recorded.shift(shift);
     let found = deviations(&recorded, &simulated);
     if found.is_empty() {
-        return Err(Refusal::wrong(format!("{} and the simulation have no time in common", record.name)));
+        return Err(HttpRefusal::wrong(format!("{} and the simulation have no time in common", record.name)));
     }
     let shifted = if shift == 0.0 { String::new() } else { format!(", shifted by {:.3} ms", 1e3 * shift) };
     let heading = format!("deviation of the simulation, one run, from {}{shifted}", record.title());
@@ -117,9 +118,9 @@ pub fn answer(Compared { asked, record, align }: &Compared) -> Result<Vec<u8>, R
 ///
 /// # Errors
 /// When the rig is not valid, too long for a page, or cannot be integrated.
-pub(crate) fn simulated(asked: &Asked) -> Result<Transient, Refusal> {
+pub(crate) fn simulated(asked: &PageRig) -> Result<Transient, HttpRefusal> {
     let rig = rig_of(asked)?;
-    let run = run(&rig, Accuracy::of(&rig)).map_err(|error| Refusal::of(&error.into()))?;
+    let run = run(&rig, Accuracy::of(&rig)).map_err(|error| HttpRefusal::of(&error.into()))?;
     Ok(Transient::of_run(rig.name(), &StoredRun::of(&rig, &run)))
 }
 

@@ -7,15 +7,15 @@ use pneudrive_sim::rig::Value as RigValue;
 use serde::Deserialize;
 use serde_json::{Value, json};
 
-use crate::asked::Asked;
-use crate::refusal::Refusal;
+use crate::page_rig::PageRig;
+use crate::refusal::HttpRefusal;
 use crate::rigs::Opened;
 
 /// The rig of the page, and another one.
 #[derive(Debug, Deserialize)]
 pub struct Differing {
     #[serde(flatten)]
-    asked: Asked,
+    asked: PageRig,
     other: Opened,
 }
 
@@ -23,7 +23,7 @@ pub struct Differing {
 ///
 /// # Errors
 /// Every problem of the rig that is not valid.
-pub fn answer(Differing { asked, other }: &Differing) -> Result<Value, Refusal> {
+pub fn answer(Differing { asked, other }: &Differing) -> Result<Value, HttpRefusal> {
     let rig = asked.rig()?;
     let other = Rig::read(&other.name, &other.text)?;
     let found = differences(&rig, &other);

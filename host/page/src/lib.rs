@@ -12,7 +12,7 @@
 //! |---|---|
 //! | [`assets`] | the files of the page |
 //! | [`answer`](mod@answer) | dispatches requests to their answers |
-//! | [`asked`], [`refusal`] | the content of a request, and refusals |
+//! | [`page_rig`], [`refusal`] | the content of a request, and refusals |
 //! | [`keys`], [`check`] | the table of keys, and the check of a rig: `rig explain` and `rig check` |
 //! | [`rigs`] | the built-in rigs, and the text of a saved one |
 //! | [`simulation`], [`columns`] | a run, its perturbed runs, and their numbers as bytes: `simulate` |
@@ -25,13 +25,13 @@
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
 pub mod answer;
-pub mod asked;
 pub mod assets;
 pub mod check;
 pub mod columns;
 pub mod compare;
 pub mod difference;
 pub mod keys;
+pub mod page_rig;
 pub mod refusal;
 pub mod rigs;
 pub mod simulation;

@@ -1,13 +1,13 @@
 //! Refusals of requests: a status, and JSON with the reason.
 
 use http::StatusCode;
-use pneudrive_evaluate::wanted::CalledOff;
+use pneudrive_evaluate::cancel::Cancelled;
 use pneudrive_sim::rig::Problems;
 use serde_json::{Value, json};
 
 /// A refused request.
 #[derive(Debug)]
-pub struct Refusal {
+pub struct HttpRefusal {
     /// The HTTP status.
     pub status: StatusCode,
     /// The reason in words.
@@ -16,35 +16,38 @@ pub struct Refusal {
     pub problems: Vec<Value>,
 }
 
-impl Refusal {
+impl HttpRefusal {
     /// A request that is refused as a whole.
     #[must_use]
-    pub fn new(status: StatusCode, message: impl Into<String>) -> Refusal {
-        Refusal { status, message: message.into(), problems: Vec::new() }
+    pub fn new(status: StatusCode, message: impl Into<String>) -> HttpRefusal {
+        HttpRefusal { status, message: message.into(), problems: Vec::new() }
     }
 
     /// A request that cannot be fulfilled.
     #[must_use]
-    pub fn wrong(message: impl Into<String>) -> Refusal {
-        Refusal::new(StatusCode::UNPROCESSABLE_ENTITY, message)
+    pub fn wrong(message: impl Into<String>) -> HttpRefusal {
+        HttpRefusal::new(StatusCode::UNPROCESSABLE_ENTITY, message)
     }
 
     /// A request that is not JSON, or not of its form.
     #[must_use]
-    pub fn malformed(error: &serde_json::Error) -> Refusal {
-        Refusal::new(StatusCode::BAD_REQUEST, format!("the request cannot be read: {error}"))
+    pub fn malformed(error: &serde_json::Error) -> HttpRefusal {
+        HttpRefusal::new(StatusCode::BAD_REQUEST, format!("the request cannot be read: {error}"))
     }
 
     /// A request that its page no longer waits for.
     #[must_use]
-    pub fn gone() -> Refusal {
-        Refusal::new(StatusCode::GONE, "the page has gone on")
+    pub fn gone() -> HttpRefusal {
+        HttpRefusal::new(StatusCode::GONE, "the page has gone on")
     }
 
     /// Why work has no result: its page waits for it no more, or what `otherwise` says.
     #[must_use]
-    pub fn gone_or(error: &anyhow::Error, otherwise: impl FnOnce(&anyhow::Error) -> Refusal) -> Refusal {
-        if error.is::<CalledOff>() { Refusal::gone() } else { otherwise(error) }
+    pub fn gone_or(
+        error: &anyhow::Error,
+        otherwise: impl FnOnce(&anyhow::Error) -> HttpRefusal,
+    ) -> HttpRefusal {
+        if error.is::<Cancelled>() { HttpRefusal::gone() } else { otherwise(error) }
     }
 
     /// As the page reads it.
@@ -55,16 +58,16 @@ impl Refusal {
 
     /// A failure while carrying out a request.
     #[must_use]
-    pub fn of(error: &anyhow::Error) -> Refusal {
-        Refusal::new(StatusCode::INTERNAL_SERVER_ERROR, format!("{error:#}"))
+    pub fn of(error: &anyhow::Error) -> HttpRefusal {
+        HttpRefusal::new(StatusCode::INTERNAL_SERVER_ERROR, format!("{error:#}"))
     }
 }
 
 /// An invalid rig: each problem at its key.
-impl From<Problems> for Refusal {
-    fn from(problems: Problems) -> Refusal {
+impl From<Problems> for HttpRefusal {
+    fn from(problems: Problems) -> HttpRefusal {
         let message = problems.to_string();
-        Refusal { status: StatusCode::UNPROCESSABLE_ENTITY, message, problems: to_json(&problems) }
+        HttpRefusal { status: StatusCode::UNPROCESSABLE_ENTITY, message, problems: to_json(&problems) }
     }
 }
 

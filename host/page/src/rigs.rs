@@ -7,8 +7,8 @@ use pneudrive_sim::rig::{BUILTIN, builtin, key_of};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use crate::asked::Asked;
-use crate::refusal::Refusal;
+use crate::page_rig::PageRig;
+use crate::refusal::HttpRefusal;
 
 /// A rig file that the page can begin with.
 #[derive(Clone, Debug, Deserialize, Serialize)]
@@ -24,9 +24,10 @@ impl Opened {
     ///
     /// # Errors
     /// When there is none of that name.
-    pub fn builtin(name: &str) -> Result<Opened, Refusal> {
-        let text = builtin(name)
-            .ok_or_else(|| Refusal::new(StatusCode::NOT_FOUND, format!("there is no built-in rig {name}")))?;
+    pub fn builtin(name: &str) -> Result<Opened, HttpRefusal> {
+        let text = builtin(name).ok_or_else(|| {
+            HttpRefusal::new(StatusCode::NOT_FOUND, format!("there is no built-in rig {name}"))
+        })?;
         Ok(Opened { name: name.to_owned(), text: text.to_owned() })
     }
 }
@@ -44,7 +45,7 @@ pub fn list(opened: &Opened) -> Value {
 pub struct ToSave {
     /// The rig.
     #[serde(flatten)]
-    pub asked: Asked,
+    pub asked: PageRig,
     /// The name of the file.
     pub file: String,
     /// Whether the user has agreed to replace a file.
@@ -56,18 +57,18 @@ pub struct ToSave {
 ///
 /// # Errors
 /// When the rig is not valid.
-pub fn text_to_save(asked: &Asked, file: &str) -> Result<String, Refusal> {
+pub fn text_to_save(asked: &PageRig, file: &str) -> Result<String, HttpRefusal> {
     let rig = asked.rig()?;
     let settings = in_key_units(asked, &rig);
     let text = rig_text::with_settings(&asked.text, &settings, "given: set in the studio");
-    let text = text.map_err(|error| Refusal::of(&error))?;
+    let text = text.map_err(|error| HttpRefusal::of(&error))?;
     // The written file is the one that was shown.
     Rig::read(file, &text)?;
     Ok(text)
 }
 
 /// The settings with each value in the unit of its key.
-pub(crate) fn in_key_units(asked: &Asked, rig: &Rig) -> Vec<String> {
+pub(crate) fn in_key_units(asked: &PageRig, rig: &Rig) -> Vec<String> {
     let in_unit = |setting: &String| {
         let path = setting.split('=').next().unwrap_or_default().trim();
         let key = key_of(path)?;

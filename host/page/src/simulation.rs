@@ -1,8 +1,8 @@
 //! Simulates a rig while the user drags a slider: first the run alone, then its perturbed runs.
 
 use http::StatusCode;
+use pneudrive_evaluate::cancel::CancelToken;
 use pneudrive_evaluate::evaluation::{Move, TOLERANCE_MM, moves_of_run, remarks, table};
-use pneudrive_evaluate::wanted::Wanted;
 use pneudrive_optimise::ensemble::{Ensemble, run_ensemble};
 use pneudrive_records::band::{Band, CHANNELS};
 use pneudrive_records::judged::Spacing;
@@ -14,9 +14,9 @@ use pneudrive_sim::trace::COLUMNS;
 use pneudrive_sim::{Accuracy, Rig, Run, keys, run};
 use serde_json::{Value, json};
 
-use crate::asked::Asked;
 use crate::columns::{Column, Columns};
-use crate::refusal::Refusal;
+use crate::page_rig::PageRig;
+use crate::refusal::HttpRefusal;
 
 /// The longest run while a page waits, samples: a second or two.
 pub const MAX_SAMPLES: u32 = 200_000;
@@ -46,7 +46,7 @@ const CURVES: [(&str, &str, &str, f64); 16] = [
 ///
 /// # Errors
 /// When the rig is not valid, too long for a page, or cannot be integrated.
-pub fn nominal(asked: &Asked) -> Result<Vec<u8>, Refusal> {
+pub fn nominal(asked: &PageRig) -> Result<Vec<u8>, HttpRefusal> {
     let rig = rig_of(asked)?;
     let run = run(&rig, Accuracy::of(&rig)).map_err(|error| not_simulated(&rig, &error.into()))?;
     let moves = vec![moves_of_run(&rig, &run, TOLERANCE_MM)];
@@ -64,31 +64,33 @@ pub fn nominal(asked: &Asked) -> Result<Vec<u8>, Refusal> {
 ///
 /// # Errors
 /// As [`nominal`]; when nobody waits for it any more.
-pub fn members(asked: &Asked, wanted: &(dyn Fn() -> bool + Sync)) -> Result<Vec<u8>, Refusal> {
+pub fn members(asked: &PageRig, wanted: &(dyn Fn() -> bool + Sync)) -> Result<Vec<u8>, HttpRefusal> {
     let rig = rig_of(asked)?;
     let (accuracy, spacing) = (Accuracy::of(&rig), Spacing::default());
     let measure = |rig: &Rig, run: &Run| moves_of_run(rig, run, TOLERANCE_MM);
-    let ensemble = run_ensemble(&rig, accuracy, spacing, measure, |_, _| {}, Wanted::so_long(wanted));
-    let ensemble = ensemble.map_err(|error| Refusal::gone_or(&error, |error| not_simulated(&rig, error)))?;
+    let ensemble =
+        run_ensemble(&rig, accuracy, spacing, measure, |_, _| {}, CancelToken::cancelled_unless(wanted));
+    let ensemble =
+        ensemble.map_err(|error| HttpRefusal::gone_or(&error, |error| not_simulated(&rig, error)))?;
     Ok(band(&rig, &ensemble))
 }
 
 /// The rig of a page, if its run is short enough for the page to wait.
-pub(crate) fn rig_of(asked: &Asked) -> Result<Rig, Refusal> {
+pub(crate) fn rig_of(asked: &PageRig) -> Result<Rig, HttpRefusal> {
     let rig = asked.rig()?;
     if rig.last_sample() > MAX_SAMPLES {
         let message = format!(
             "test.duration_s: the test has {} samples, and the studio simulates {MAX_SAMPLES} at most; `pneudrive simulate` takes longer ones",
             rig.last_sample()
         );
-        return Err(Refusal::new(StatusCode::UNPROCESSABLE_ENTITY, message));
+        return Err(HttpRefusal::new(StatusCode::UNPROCESSABLE_ENTITY, message));
     }
     Ok(rig)
 }
 
-fn not_simulated(rig: &Rig, error: &anyhow::Error) -> Refusal {
+fn not_simulated(rig: &Rig, error: &anyhow::Error) -> HttpRefusal {
     let message = format!("{} cannot be simulated: {error:#}", rig.name());
-    Refusal::new(StatusCode::UNPROCESSABLE_ENTITY, message)
+    HttpRefusal::new(StatusCode::UNPROCESSABLE_ENTITY, message)
 }
 
 fn curves(rig: &Rig, run: &Run) -> Columns {

@@ -7,10 +7,10 @@ use pneudrive_report::Table;
 use serde::Deserialize;
 use serde_json::json;
 
-use crate::asked::Asked;
 use crate::columns::{Column, Columns};
 use crate::compare::{Record, simulated};
-use crate::refusal::Refusal;
+use crate::page_rig::PageRig;
+use crate::refusal::HttpRefusal;
 use crate::simulation::to_json;
 
 /// Peaks in the table.
@@ -20,7 +20,7 @@ const PEAKS: usize = 8;
 #[derive(Debug, Deserialize)]
 pub struct Transformed {
     #[serde(flatten)]
-    asked: Asked,
+    asked: PageRig,
     /// The record; without it, the run.
     #[serde(default)]
     record: Option<Record>,
@@ -33,9 +33,10 @@ pub struct Transformed {
 ///
 /// # Errors
 /// When there is no such channel, when samples are missing, or as [`compare`](crate::compare).
-pub fn answer(transformed: &Transformed) -> Result<Vec<u8>, Refusal> {
-    let channel = Channel::of_name(&transformed.channel)
-        .ok_or_else(|| Refusal::wrong(format!("there is no channel {} to transform", transformed.channel)))?;
+pub fn answer(transformed: &Transformed) -> Result<Vec<u8>, HttpRefusal> {
+    let channel = Channel::of_name(&transformed.channel).ok_or_else(|| {
+        HttpRefusal::wrong(format!("there is no channel {} to transform", transformed.channel))
+    })?;
     let transient = match &transformed.record {
         Some(record) => record.transient()?,
         None => simulated(&transformed.asked)?,
@@ -43,7 +44,7 @@ pub fn answer(transformed: &Transformed) -> Result<Vec<u8>, Refusal> {
     let part = whole(&transient.between(transformed.from_s, transformed.to_s))?;
     let samples = channel.samples(&part);
     if samples.len() < 2 || samples.iter().any(|value| !value.is_finite()) {
-        return Err(Refusal::wrong(format!(
+        return Err(HttpRefusal::wrong(format!(
             "{}: its {} is not known at every sample",
             part.name,
             channel.name()
@@ -60,15 +61,15 @@ pub fn answer(transformed: &Transformed) -> Result<Vec<u8>, Refusal> {
 }
 
 /// Refuses a part with a gap, or with too few samples for a spectrum.
-fn whole(part: &Transient) -> Result<Transient, Refusal> {
+fn whole(part: &Transient) -> Result<Transient, HttpRefusal> {
     if let Some([before, after]) = part.gaps.first() {
-        return Err(Refusal::wrong(format!(
+        return Err(HttpRefusal::wrong(format!(
             "{}: samples are missing between {before:.4} s and {after:.4} s; zoom to a part without a gap",
             part.name
         )));
     }
     if part.time.len() < 4 {
-        return Err(Refusal::wrong(format!(
+        return Err(HttpRefusal::wrong(format!(
             "{} has {} samples in view; zoom out",
             part.name,
             part.time.len()

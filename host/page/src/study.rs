@@ -18,18 +18,18 @@ use pneudrive_optimise::sweep::metric::FIGURES;
 use serde::Deserialize;
 use serde_json::{Value, json};
 
-use crate::refusal::Refusal;
+use crate::refusal::HttpRefusal;
 
 /// A study.
 #[derive(Debug, Deserialize)]
 #[serde(tag = "study", rename_all = "kebab-case")]
 pub enum Study {
     /// Keys vary, and figures of the moves are collected.
-    Sweep(sweep::Asks),
+    Sweep(sweep::SweepRequest),
     /// Gains for a step.
-    Tune(tune::Asks),
+    Tune(tune::TuneRequest),
     /// Parameters of the rig from records.
-    Identify(identify::Asks),
+    Identify(identify::IdentifyRequest),
 }
 
 /// The page that waits for a study.
@@ -45,15 +45,15 @@ impl Study {
     ///
     /// # Errors
     /// When it is not a study.
-    pub fn read(body: &Value) -> Result<Study, Refusal> {
-        Study::deserialize(body).map_err(|error| Refusal::wrong(error.to_string()))
+    pub fn read(body: &Value) -> Result<Study, HttpRefusal> {
+        Study::deserialize(body).map_err(|error| HttpRefusal::wrong(error.to_string()))
     }
 
     /// The plan: the equivalent command line, and the size of the work.
     ///
     /// # Errors
     /// Its problems.
-    pub fn plan(&self) -> Result<Value, Refusal> {
+    pub fn plan(&self) -> Result<Value, HttpRefusal> {
         match self {
             Study::Sweep(asks) => asks.plan(),
             Study::Tune(asks) => asks.plan(),
@@ -65,7 +65,7 @@ impl Study {
     ///
     /// # Errors
     /// Its problems, or that nobody waits any more.
-    pub fn work(&self, audience: Audience<'_>) -> Result<Value, Refusal> {
+    pub fn work(&self, audience: Audience<'_>) -> Result<Value, HttpRefusal> {
         match self {
             Study::Sweep(asks) => asks.work(audience),
             Study::Tune(asks) => asks.work(audience),

@@ -3,17 +3,17 @@
 import { offer } from './export.js';
 import { html } from './svg.js';
 
-/** The checks. `told.ask(question, more)` asks the server, `told.order(order, more)` orders something. */
+/** The checks. `callbacks.ask(question, more)` asks the server, `callbacks.order(order, more)` orders something. */
 export class BringUp {
-  #told;
+  #callbacks;
   #parts = {};
   #isOn = false;
   #report = null;
   /** What came of it, once it is over: the report and the drive's last word of it come in any order. */
   #summary = '';
 
-  constructor(told) {
-    this.#told = told;
+  constructor(callbacks) {
+    this.#callbacks = callbacks;
   }
 
   /** Builds its part of the panel. */
@@ -36,7 +36,7 @@ export class BringUp {
     const element = html('details', { class: 'bring-up' }, html('summary', {}, 'Bring-up of a new board'),
       html('p', { class: 'remark' }, 'From checks that move nothing to short pulses of the valve. The page asks before the cylinder moves. The test on the drive is replaced, and its parameters stay.'),
       number('wait', 'Wait for a hand that pushes the slide', '20', 's'), number('most', 'Largest pulse', '30', '% of the valve'),
-      html('p', { class: 'row' }, button('begin', 'Begin', () => this.#begin(), 'main'), button('abort', 'End', () => this.#told.order('abort')),
+      html('p', { class: 'row' }, button('begin', 'Begin', () => this.#begin(), 'main'), button('abort', 'End', () => this.#callbacks.order('abort')),
         button('save', 'Save the report', () => this.#save())),
       this.#parts.problem, this.#parts.checks, this.#parts.now, this.#parts.question, this.#parts.answers);
     this.#parts.save.hidden = true;
@@ -77,7 +77,7 @@ export class BringUp {
 
   #answer(yes) {
     this.#parts.answers.hidden = true;
-    this.#told.order('answer', { question: Number(this.#parts.answers.dataset.question), yes });
+    this.#callbacks.order('answer', { question: Number(this.#parts.answers.dataset.question), yes });
   }
 
   async #begin() {
@@ -89,7 +89,7 @@ export class BringUp {
     const [wait, most] = [this.#parts.wait, this.#parts.most].map((field) => Number(field.value.trim() || NaN));
     try {
       if (![wait, most].every(Number.isInteger)) throw new Error('give whole numbers of s and of %');
-      this.#report = await this.#told.ask('bring-up', { push_wait_s: wait, most_percent: most });
+      this.#report = await this.#callbacks.ask('bring-up', { push_wait_s: wait, most_percent: most });
       const { summary, wrong } = this.#report;
       this.#summary = wrong.length ? `${summary}. What to do stands with each.` : `${summary}.`;
       this.#parts.now.textContent = this.#summary;

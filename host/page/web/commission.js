@@ -21,14 +21,14 @@ const HELD = 100;
 const QUIET = ['alive', 'retract', 'extend'];
 
 /**
- * The panel of the drive. `told.rig()` is the rig of the page; `told.seen(run, begun, cursor)` hears what is to be on the graphs,
- * `told.ended()` that they are free, `told.alarm(text)` what every view must show, or '', `told.recorded({ name, text })` of a record, `told.identify(name)` that the values of the rig
- * are to be found from it; `told.hasRecord(name)` says whether it lies on the page.
+ * The panel of the drive. `callbacks.rig()` is the rig of the page; `callbacks.seen(run, begun, cursor)` hears what is to be on the graphs,
+ * `callbacks.ended()` that they are free, `callbacks.alarm(text)` what every view must show, or '', `callbacks.recorded({ name, text })` of a record, `callbacks.identify(name)` that the values of the rig
+ * are to be found from it; `callbacks.hasRecord(name)` says whether it lies on the page.
  */
 export class Commission {
   #element;
   #server;
-  #told;
+  #callbacks;
   #parts = {};
   #ask;
   #number = null;
@@ -47,13 +47,13 @@ export class Commission {
   #parameters;
   #bringUp;
 
-  constructor(element, server, told) {
+  constructor(element, server, callbacks) {
     this.#element = element;
     this.#server = server;
-    this.#told = told;
+    this.#callbacks = callbacks;
     const ask = (question, more) => server.post('/api/ask', { number: this.#number, ask: question, ...more });
-    this.#scope = new Scope(told);
-    this.#parameters = new Parameters({ ask, rig: told.rig });
+    this.#scope = new Scope(callbacks);
+    this.#parameters = new Parameters({ ask, rig: callbacks.rig });
     this.#bringUp = new BringUp({ ask, order: (...order) => this.#order(...order) });
     this.#ask = ask;
     this.#orders = new Orders(server.post, { stopped: (problem) => this.#stopped(problem) });
@@ -74,7 +74,7 @@ export class Commission {
     this.#parts.why = html('span', {});
     this.#parts.message = html('p', { class: 'problem', role: 'alert' });
     this.#parts.mm = html('input', { type: 'text', id: 'go-mm', inputmode: 'decimal', size: 8 });
-    const go_there = () => this.#order('go', { mm: Number(this.#parts.mm.value || NaN), rig: this.#told.rig() });
+    const go_there = () => this.#order('go', { mm: Number(this.#parts.mm.value || NaN), rig: this.#callbacks.rig() });
     this.#parts.mm.addEventListener('keydown', (event) => { if (event.key === 'Enter') go_there(); });
     this.#element.replaceChildren(
       html('h2', {}, 'Commission'), html('p', {}, `Rig at ${port} `, link),
@@ -83,7 +83,7 @@ export class Commission {
       html('p', { class: 'row' }, this.#jog('retract', '◀ Retract'), this.#jog('extend', 'Extend ▶'), html('small', {}, `while held, ${jog} mm/s`)),
       html('p', { class: 'row' }, html('label', { for: 'go-mm' }, 'Go to'), this.#parts.mm, 'mm', button('go', 'Go', go_there), html('small', {}, `${go} mm/s`)),
       html('p', { class: 'row' }, button('home', 'Home', () => this.#order('home')), button('run', 'Run the test of this page', () => this.#run()),
-        button('record', 'Record', () => this.#record()), button('identify', 'Identify', () => this.#told.identify(this.#recorded))),
+        button('record', 'Record', () => this.#record()), button('identify', 'Identify', () => this.#callbacks.identify(this.#recorded))),
       html('p', { class: 'remark' }, 'Esc and the red button stop the drive. It is disarmed when this page is closed, hidden or cut off. This is not a safety function: a machine with people near it needs a hardware emergency stop.'),
       this.#scope.show(), this.#parameters.show(), this.#bringUp.show(),
     );
@@ -96,7 +96,7 @@ export class Commission {
 
   /** The page may have other records. */
   recordsChanged() {
-    if (this.#parts.identify) this.#parts.identify.disabled = this.#recorded === null || !this.#told.hasRecord(this.#recorded);
+    if (this.#parts.identify) this.#parts.identify.disabled = this.#recorded === null || !this.#callbacks.hasRecord(this.#recorded);
   }
 
   get commands() {
@@ -116,7 +116,7 @@ export class Commission {
 
   /** A drive that was not stopped is told of in every view, until it is stopped or is seen at rest. */
   #stopped(problem) {
-    this.#told.alarm(problem && `NOT STOPPED: ${problem}`);
+    this.#callbacks.alarm(problem && `NOT STOPPED: ${problem}`);
   }
 
   /** Gives the drive up; it is disarmed. */
@@ -148,7 +148,7 @@ export class Commission {
     this.#parts.why.textContent = '';
     this.#enable(null);
     this.#bringUp.ended();
-    this.#told.ended();
+    this.#callbacks.ended();
   }
 
   #heard(line) {
@@ -211,7 +211,7 @@ export class Commission {
       offer(record.name, new Blob([record.text], { type: 'text/plain' }));
       this.#scope.turn(false);
       this.#recorded = record.name;
-      await this.#told.recorded(record);
+      await this.#callbacks.recorded(record);
       if (!this.#scope.isOfPage) this.#tell('The last run was not the test of this page, so the simulation below its record is that of another move.');
     } catch (error) {
       this.#tell(error.message);
@@ -221,7 +221,7 @@ export class Commission {
 
   /** Runs the test; where the drive stands elsewhere than it starts, the page asks before it goes there. */
   async #run() {
-    const rig = this.#told.rig();
+    const rig = this.#callbacks.rig();
     this.#tell('');
     try {
       const way = await this.#ask('way', { rig });
@@ -242,7 +242,7 @@ export class Commission {
       // Takes back what was told of the order before.
       this.#order('release');
       this.#tell('');
-      const confirm = () => this.#order(order, { rig: this.#told.rig() }, () => this.#held === held);
+      const confirm = () => this.#order(order, { rig: this.#callbacks.rig() }, () => this.#held === held);
       const held = setInterval(() => {
         // Whoever holds it does not see the drive any more.
         if (document.hidden) return this.#release();

@@ -3,10 +3,10 @@
 import { sliderFor } from './slider.js';
 import { html, say } from './svg.js';
 
-/** A field. `told.changed(key, text, isDone)` hears of every change; text null: back to the file's value. */
+/** A field. `callbacks.changed(key, text, isDone)` hears of every change; text null: back to the file's value. */
 export class Field {
   #key;
-  #told;
+  #callbacks;
   #input;
   #slider = null;
   #scale = null;
@@ -14,15 +14,15 @@ export class Field {
   #problem;
   #reset;
 
-  constructor(key, value, fileValue, told) {
+  constructor(key, value, fileValue, callbacks) {
     this.#key = key;
-    this.#told = told;
+    this.#callbacks = callbacks;
     const id = `key-${key.path.replace('.', '-')}`;
     this.#problem = html('p', { class: 'problem', id: `${id}-problem`, role: 'alert' });
     this.#input = this.#inputOf(id, value);
     this.#reset = html('button', { type: 'button', class: 'reset', title: 'Back to the value of the file', hidden: true }, '↺');
     this.#reset.setAttribute('aria-label', `${key.name}: back to the value of the file`);
-    this.#reset.addEventListener('click', () => told.changed(key, null, true));
+    this.#reset.addEventListener('click', () => callbacks.changed(key, null, true));
     this.element = html('div', { class: 'field', 'data-key': key.path },
       html('label', { for: id }, key.name || key.path), this.#sliderOf(fileValue), this.#input,
       html('span', { class: 'unit' }, key.unit), this.#origin, this.#reset, this.#problem, this.#help(id));
@@ -71,20 +71,20 @@ export class Field {
     if (kind.type === 'switch') return this.#switch(described);
     const text = { ...described, type: 'text', autocomplete: 'off', spellcheck: 'false', inputmode: 'text' };
     const input = html('input', { ...text, readonly: kind.type === 'not-built', placeholder: value ? null : 'none' });
-    input.addEventListener('input', () => this.#told.changed(this.#key, input.value.trim() || null, false));
-    input.addEventListener('change', () => this.#told.changed(this.#key, input.value.trim() || null, true));
+    input.addEventListener('input', () => this.#callbacks.changed(this.#key, input.value.trim() || null, false));
+    input.addEventListener('change', () => this.#callbacks.changed(this.#key, input.value.trim() || null, true));
     return input;
   }
 
   #choice(described, options) {
     const select = html('select', described, ...options.map((word) => html('option', { value: word }, word)));
-    select.addEventListener('change', () => this.#told.changed(this.#key, select.value, true));
+    select.addEventListener('change', () => this.#callbacks.changed(this.#key, select.value, true));
     return select;
   }
 
   #switch(described) {
     const box = html('input', { ...described, type: 'checkbox' });
-    box.addEventListener('change', () => this.#told.changed(this.#key, String(box.checked), true));
+    box.addEventListener('change', () => this.#callbacks.changed(this.#key, String(box.checked), true));
     return box;
   }
 
@@ -95,7 +95,7 @@ export class Field {
     const changed = (isDone) => {
       const text = String(this.#scale.valueAt(Number(this.#slider.value)));
       this.#put(text);
-      this.#told.changed(this.#key, text, isDone);
+      this.#callbacks.changed(this.#key, text, isDone);
     };
     this.#slider.addEventListener('input', () => changed(false));
     this.#slider.addEventListener('change', () => changed(true));

@@ -2,27 +2,27 @@
 
 import { html } from './svg.js';
 
-/** The form of an identification. `told.changed()` hears of every change, `told.records()` gives the records of the page. */
+/** The form of an identification. `callbacks.changed()` hears of every change, `callbacks.records()` gives the records of the page. */
 export class IdentifyForm {
-  #told;
+  #callbacks;
   #records = html('ul', { class: 'records' });
   #unknowns = html('div', { class: 'choices' });
   #boxes = [];
   /** The names of records that are not used. */
   #unused = new Set();
 
-  constructor(_, __, told) {
-    this.#told = told;
+  constructor(_, __, callbacks) {
+    this.#callbacks = callbacks;
     const open = html('button', { type: 'button' }, 'Open a record…');
-    open.addEventListener('click', () => told.open());
+    open.addEventListener('click', () => callbacks.open());
     this.element = html('div', {}, html('h3', {}, 'Records of the rig'), this.#records, html('p', {}, open),
       html('h3', {}, 'What is unknown'), this.#unknowns);
-    this.element.addEventListener('input', () => told.changed());
+    this.element.addEventListener('input', () => callbacks.changed());
   }
 
   /** The page has other records. */
   show() {
-    const names = this.#told.records().map(({ name }) => {
+    const names = this.#callbacks.records().map(({ name }) => {
       const box = html('input', { type: 'checkbox', value: name, checked: !this.#unused.has(name) });
       box.addEventListener('input', () => (box.checked ? this.#unused.delete(name) : this.#unused.add(name)));
       return html('li', {}, html('label', {}, box, ` ${name}`));
@@ -39,7 +39,7 @@ export class IdentifyForm {
 
   /** Uses this record alone. */
   useOnly(record) {
-    this.#unused = new Set(this.#told.records().map(({ name }) => name).filter((name) => name !== record));
+    this.#unused = new Set(this.#callbacks.records().map(({ name }) => name).filter((name) => name !== record));
     this.show();
   }
 
@@ -59,7 +59,7 @@ export class IdentifyForm {
   body() {
     const chosen = this.#boxes.filter(({ box }) => box.checked).map(({ path }) => path);
     if (this.#boxes.length && !chosen.length) throw new Error('choose what is unknown');
-    const records = this.#told.records().filter(({ name }) => !this.#unused.has(name));
+    const records = this.#callbacks.records().filter(({ name }) => !this.#unused.has(name));
     return { records, fit: chosen.length === this.#boxes.length ? [] : chosen };
   }
 }

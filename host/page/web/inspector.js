@@ -4,18 +4,18 @@ import { COMPONENTS } from './components.js';
 import { Field } from './field.js';
 import { html } from './svg.js';
 
-/** The panel beside the picture. `told` has `changed(key, text, isDone)` and `chosen(id)`. */
+/** The panel beside the picture. `callbacks` has `changed(key, text, isDone)` and `chosen(id)`. */
 export class Inspector {
   #element;
   #keys;
-  #told;
+  #callbacks;
   #fields = new Map();
   #shape = '';
 
-  constructor(element, keys, told) {
+  constructor(element, keys, callbacks) {
     this.#element = element;
     this.#keys = keys;
-    this.#told = told;
+    this.#callbacks = callbacks;
   }
 
   /** Shows a component of a rig. `state` has `used`, `values`, `fileValues`, `settings` and `problems`. */
@@ -35,14 +35,14 @@ export class Inspector {
   #build(component, keys, state) {
     const focused = document.activeElement?.id;
     this.#fields = new Map(keys.map((key) =>
-      [key.path, new Field(key, state.values[key.path], state.fileValues[key.path], this.#told)]));
+      [key.path, new Field(key, state.values[key.path], state.fileValues[key.path], this.#callbacks)]));
     const groups = component.tables.map((table) => [table, keys.filter((key) => key.table === table)]);
     const several = groups.filter(([, of]) => of.length > 0).length > 1;
     const sections = groups.filter(([, of]) => of.length > 0).map(([table, of]) => html('section', {},
       ...(several && table ? [html('h3', {}, table)] : []), ...of.map((key) => this.#fields.get(key.path).element)));
     const names = COMPONENTS.map(({ id, title }) => html('option', { value: id, selected: id === component.id }, title));
     const choice = html('select', { id: 'component', 'aria-label': 'Component' }, ...names);
-    choice.addEventListener('change', () => this.#told.chosen(choice.value));
+    choice.addEventListener('change', () => this.#callbacks.chosen(choice.value));
     this.#element.replaceChildren(html('h2', {}, choice), html('div', { class: 'elsewhere' }), ...sections);
     if (focused) document.getElementById(focused)?.focus();
   }

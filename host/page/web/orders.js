@@ -6,10 +6,10 @@ const CONFIRMATIONS = ['alive', 'extend', 'retract'];
 /** How long the server may take to answer a stop, ms. */
 const PATIENCE = 3000;
 
-/** Orders, sent with `post(path, body, signal)`. `told.stopped(problem)` hears of every stop; the problem of a sound one is ''. */
+/** Orders, sent with `post(path, body, signal)`. `callbacks.stopped(problem)` hears of every stop; the problem of a sound one is ''. */
 export class Orders {
   #post;
-  #told;
+  #callbacks;
   #queue = Promise.resolve();
   /** How many orders wait or are on their way. */
   #pending = 0;
@@ -18,9 +18,9 @@ export class Orders {
   /** How often the drive was stopped. */
   #stops = 0;
 
-  constructor(post, told) {
+  constructor(post, callbacks) {
     this.#post = post;
-    this.#told = told;
+    this.#callbacks = callbacks;
   }
 
   /**
@@ -62,9 +62,9 @@ export class Orders {
   async #stop() {
     try {
       await this.#post('/api/order', { order: 'stop' }, AbortSignal.timeout(PATIENCE));
-      this.#told.stopped('');
+      this.#callbacks.stopped('');
     } catch (error) {
-      this.#told.stopped(error.name === 'TimeoutError' ? `the studio has not answered for ${PATIENCE / 1e3} s` : error.message);
+      this.#callbacks.stopped(error.name === 'TimeoutError' ? `the studio has not answered for ${PATIENCE / 1e3} s` : error.message);
     }
   }
 }

@@ -2,9 +2,9 @@
 
 import { html } from './svg.js';
 
-/** The table. `told.ask(question, more)` asks the server, `told.rig()` is the rig of the page. */
+/** The table. `callbacks.ask(question, more)` asks the server, `callbacks.rig()` is the rig of the page. */
 export class Parameters {
-  #told;
+  #callbacks;
   #parts = {};
   #rows = new Map();
   #isThere = false;
@@ -13,8 +13,8 @@ export class Parameters {
   /** The rig that the drive was compared with, as text, and what was found; null before the first reading. */
   #compared = null;
 
-  constructor(told) {
-    this.#told = told;
+  constructor(callbacks) {
+    this.#callbacks = callbacks;
   }
 
   /** Builds its part of the panel. */
@@ -76,8 +76,8 @@ export class Parameters {
   async #read() {
     this.#asked += 1;
     const number = this.#asked;
-    const design = this.#told.rig();
-    const { rig, saved, parameters } = await this.#told.ask('parameters', { rig: design });
+    const design = this.#callbacks.rig();
+    const { rig, saved, parameters } = await this.#callbacks.ask('parameters', { rig: design });
     if (number !== this.#asked) return;
     const edits = new Map([...this.#rows].filter(([, row]) => row.isEdited).map(([path, row]) => [path, row.text]));
     this.#rows = new Map(parameters.map((parameter) => [parameter.path, new Row(parameter, rig, () => this.#count())]));
@@ -94,7 +94,7 @@ export class Parameters {
 
   /** Whether the rig of the page is no longer the one that the drive was compared with. */
   get #isStale() {
-    return this.#compared?.design !== JSON.stringify(this.#told.rig());
+    return this.#compared?.design !== JSON.stringify(this.#callbacks.rig());
   }
 
   #tell() {
@@ -107,13 +107,13 @@ export class Parameters {
 
   async #send() {
     const edited = [...this.#rows].filter(([, row]) => row.isEdited);
-    await this.#told.ask('change', { values: edited.map(([path, row]) => [path, row.text]) });
+    await this.#callbacks.ask('change', { values: edited.map(([path, row]) => [path, row.text]) });
     for (const [, row] of edited) row.sent();
     await this.#read();
   }
 
   async #save() {
-    await this.#told.ask('save');
+    await this.#callbacks.ask('save');
     await this.#read();
   }
 

@@ -15,7 +15,7 @@ const LAND = 30;
 const SPOOL_REACH = 22;
 const WANTED = { left: 34, right: 206, top: 214, bottom: 296 };
 
-/** The picture. `told.chosen(id)` hears which component was chosen. */
+/** The picture. `callbacks.chosen(id)` hears which component was chosen. */
 export class Picture {
   #element;
   #parts = {};
@@ -23,10 +23,10 @@ export class Picture {
   #rig = null;
   #run = null;
 
-  constructor(element, told) {
+  constructor(element, callbacks) {
     this.#element = element;
     element.setAttribute('viewBox', '0 0 960 332');
-    element.append(...this.#lines(), ...this.#components(told));
+    element.append(...this.#lines(), ...this.#components(callbacks));
   }
 
   /** Shows which component was chosen, and which have problems. */
@@ -162,7 +162,7 @@ export class Picture {
     ];
   }
 
-  #components(told) {
+  #components(callbacks) {
     const drawn = {
       test: this.#wanted(), controller: this.#controller(), tubing: this.#tubing(), cylinder: this.#cylinder(),
       load: this.#load(), operator: this.#operator(), valve: this.#valve(), air: this.#air(), sensing: this.#sensing(),
@@ -171,11 +171,11 @@ export class Picture {
     return COMPONENTS.map(({ id, title }) => {
       const group = svg('g', { class: 'component', tabindex: 0, role: 'button', 'data-id': id },
         svg('title', {}, title), ...drawn[id]);
-      group.addEventListener('click', () => told.chosen(id));
+      group.addEventListener('click', () => callbacks.chosen(id));
       group.addEventListener('keydown', (event) => {
         if (event.key === 'Enter' || event.key === ' ') {
           event.preventDefault();
-          told.chosen(id);
+          callbacks.chosen(id);
         }
       });
       this.#groups[id] = group;

@@ -12,10 +12,10 @@ const LEGEND = 168;
 const BOTTOM = 22;
 const GAP = 10;
 
-/** The graphs. `told.cursor(time)` hears where the cursor stands, s. */
+/** The graphs. `callbacks.cursor(time)` hears where the cursor stands, s. */
 export class Plot {
   #element;
-  #told;
+  #callbacks;
   #curves = html('canvas', { 'aria-hidden': 'true' });
   #marks = html('canvas', { 'aria-hidden': 'true' });
   #runs = [];
@@ -32,9 +32,9 @@ export class Plot {
   /** How long it took to draw, ms, for the newest frames. */
   drawing = [];
 
-  constructor(element, told) {
+  constructor(element, callbacks) {
     this.#element = element;
-    this.#told = told;
+    this.#callbacks = callbacks;
     element.append(this.#curves, this.#marks);
     new ResizeObserver(([{ contentRect: { width, height } }]) => {
       this.#size = { width: Math.round(width), height: Math.round(height) };
@@ -77,7 +77,7 @@ export class Plot {
   moveTo(time) {
     this.#cursor = Math.min(Math.max(time, 0), this.#end);
     this.#drawMarks();
-    this.#told.cursor(this.#cursor);
+    this.#callbacks.cursor(this.#cursor);
   }
 
   get #end() {

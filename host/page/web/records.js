@@ -11,17 +11,17 @@ export const ALIGNMENTS = [
 
 export class Records {
   #ask;
-  #told;
+  #callbacks;
   #records = [];
   #align = 'start';
   /** What was asked for last, by the name of the record: its content and the number of the question. */
   #asked = new Map();
   #count = 0;
 
-  /** `ask(record, align)` gives a comparison; `told` has the functions `changed` and `failed`. */
-  constructor(ask, told) {
+  /** `ask(record, align)` gives a comparison; `callbacks` has the functions `changed` and `failed`. */
+  constructor(ask, callbacks) {
     this.#ask = ask;
-    this.#told = told;
+    this.#callbacks = callbacks;
   }
 
   /** The curves, for the graphs. */
@@ -47,13 +47,13 @@ export class Records {
   clear() {
     this.#records = [];
     this.#asked.clear();
-    this.#told.changed();
+    this.#callbacks.changed();
   }
 
   dismiss(record) {
     this.#records = this.#records.filter(({ name }) => name !== record.name);
     this.#asked.delete(record.name);
-    this.#told.changed();
+    this.#callbacks.changed();
   }
 
   /** There is another run: no answer that is on its way is of it. `compareAgain` asks anew. */
@@ -82,11 +82,11 @@ export class Records {
       const run = { label: name, time, curves, units, isRecord: true };
       const record = { name, content, shift: head.shift_s, deviation: head.deviation, run };
       this.#records = [...this.#records.filter((other) => other.name !== name), record];
-      this.#told.changed();
+      this.#callbacks.changed();
     } catch (error) {
       if (!isNewest()) return;
       this.#forget(name);
-      this.#told.failed(error.status === 413 ? tooLong(name) : error);
+      this.#callbacks.failed(error.status === 413 ? tooLong(name) : error);
     }
   }
 

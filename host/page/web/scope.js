@@ -8,9 +8,9 @@ import { crossing } from './trigger.js';
 /** How long the graphs may be, s. */
 const WINDOWS = [0.5, 1, 2, 5, 10, 30, 60];
 
-/** The scope. `told.seen(run, begun, cursor)` hears what is to be on the graphs, `told.ended()` that they are free. */
+/** The scope. `callbacks.seen(run, begun, cursor)` hears what is to be on the graphs, `callbacks.ended()` that they are free. */
 export class Scope {
-  #told;
+  #callbacks;
   #recent = new Recent();
   #parts = {};
   #isOn = true;
@@ -25,8 +25,8 @@ export class Scope {
   /** Whether the graphs hold the samples around a crossing. */
   #isHeld = false;
 
-  constructor(told) {
-    this.#told = told;
+  constructor(callbacks) {
+    this.#callbacks = callbacks;
   }
 
   /** Builds its part of the panel. */
@@ -85,7 +85,7 @@ export class Scope {
     this.#isPaused = false;
     this.#parts.on.hidden = isOn;
     this.#parts.pause.textContent = 'Pause';
-    if (!isOn) this.#told.ended();
+    if (!isOn) this.#callbacks.ended();
     else if (this.#isHeld) this.#tell();
     this.#draw();
   }
@@ -144,7 +144,7 @@ export class Scope {
   }
 
   #tell() {
-    if (this.#isOn) this.#told.seen(this.#run, this.#begun === null ? null : this.#begun - this.#run.origin, this.#run.cursor);
+    if (this.#isOn) this.#callbacks.seen(this.#run, this.#begun === null ? null : this.#begun - this.#run.origin, this.#run.cursor);
   }
 
   #pause() {

@@ -102,12 +102,12 @@ export async function* lines(path, signal, body = {}) {
   }
 }
 
-/** Asks for long work; `told` hears how far it is. */
-export async function study(body, signal, told) {
+/** Asks for long work; `callbacks` hears how far it is. */
+export async function study(body, signal, callbacks) {
   for await (const { at, found, refused, status } of lines('/api/study', signal, body)) {
     if (found) return found;
     if (refused) throw new Refused(status, refused);
-    told(at);
+    callbacks(at);
   }
   throw new Error('the studio has ended before the study');
 }

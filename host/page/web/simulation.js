@@ -41,9 +41,9 @@ const PAUSE = 60;
 /** While a slider moves, the fields beside the curves are brought up to date no more often than this, ms. */
 const FIELDS = 250;
 
-/** Tells `told` of the run, the check and the members of the newest rig that it was given. */
+/** Tells `callbacks` of the run, the check and the members of the newest rig that it was given. */
 export class Simulation {
-  #told;
+  #callbacks;
   #checks = new Newest((asked) => this.#check(asked));
   #runs = new Newest((asked, isNewest) => this.#run(asked, isNewest));
   #ensemble = new AbortController();
@@ -53,9 +53,9 @@ export class Simulation {
   /** Counts the rigs that were given up. */
   #given = 0;
 
-  /** `told` has the functions `check`, `run`, `ensemble` and `failed`. */
-  constructor(told) {
-    this.#told = told;
+  /** `callbacks` has the functions `check`, `run`, `ensemble` and `failed`. */
+  constructor(callbacks) {
+    this.#callbacks = callbacks;
   }
 
   /** Whether everything that was asked for has been told. */
@@ -86,9 +86,9 @@ export class Simulation {
   async #check({ rig, given }) {
     try {
       const found = await post('/api/check', rig);
-      if (given === this.#given) this.#told.check(found);
+      if (given === this.#given) this.#callbacks.check(found);
     } catch (error) {
-      if (given === this.#given) this.#told.failed(error);
+      if (given === this.#given) this.#callbacks.failed(error);
     }
   }
 
@@ -99,7 +99,7 @@ export class Simulation {
     try {
       const run = await postForColumns('/api/run', rig);
       if (given !== this.#given) return;
-      this.#told.run(run, rig, since);
+      this.#callbacks.run(run, rig, since);
       if (isNewest()) {
         this.#isEnsembleDue = true;
         this.#pause = setTimeout(() => this.#askEnsemble(rig), PAUSE);
@@ -108,7 +108,7 @@ export class Simulation {
       if (given !== this.#given) return;
       // What is wrong with the rig, the check tells at its field.
       hasFailed = !(error instanceof Refused) || error.problems.length === 0;
-      if (hasFailed) this.#told.failed(error);
+      if (hasFailed) this.#callbacks.failed(error);
     }
     const isDue = isNewest() || performance.now() - this.#checked > FIELDS;
     if (!isDue || hasFailed) return;
@@ -121,9 +121,9 @@ export class Simulation {
     const { signal } = this.#ensemble;
     try {
       const band = await postForColumns('/api/ensemble', rig, signal);
-      if (!signal.aborted) this.#told.ensemble(band);
+      if (!signal.aborted) this.#callbacks.ensemble(band);
     } catch (error) {
-      if (!signal.aborted) this.#told.failed(error);
+      if (!signal.aborted) this.#callbacks.failed(error);
     } finally {
       if (!signal.aborted) this.#isEnsembleDue = false;
     }

@@ -19,13 +19,13 @@ const TASKS = {
 const PAUSE = 150;
 
 /**
- * The panel of studies. `told.rig()`, `told.state()` and `told.records()` are those of the page; `told.take(settings)` hears
- * of values to be taken over, and `told.open()` asks the user for a file.
+ * The panel of studies. `callbacks.rig()`, `callbacks.state()` and `callbacks.records()` are those of the page; `callbacks.take(settings)` hears
+ * of values to be taken over, and `callbacks.open()` asks the user for a file.
  */
 export class Study {
   #exhibit;
   #server;
-  #told;
+  #callbacks;
   #task = 'sweep';
   #forms = {};
   #parts = {};
@@ -38,10 +38,10 @@ export class Study {
   /** What was found last: its button, the words beside it, what it takes over, and the rig it is of. */
   #offered = null;
 
-  constructor(element, exhibit, server, told) {
+  constructor(element, exhibit, server, callbacks) {
     this.#exhibit = exhibit;
     this.#server = server;
-    this.#told = told;
+    this.#callbacks = callbacks;
     this.#build(element);
     showNothing(exhibit, 'What a study finds stands here: figures with their ranges, and graphs.');
   }
@@ -49,8 +49,8 @@ export class Study {
   /** Gets the forms ready. */
   async begin(keys) {
     const choices = await this.#server.get('/api/choices');
-    const told = { ...this.#told, changed: () => this.#changed() };
-    for (const [name, { form: Form }] of Object.entries(TASKS)) this.#forms[name] = new Form(keys, choices, told);
+    const callbacks = { ...this.#callbacks, changed: () => this.#changed() };
+    for (const [name, { form: Form }] of Object.entries(TASKS)) this.#forms[name] = new Form(keys, choices, callbacks);
     this.#choose('sweep');
   }
 
@@ -116,7 +116,7 @@ export class Study {
 
   /** What would be asked for. */
   #body() {
-    return { study: this.#task, ...this.#told.rig(), ...this.#forms[this.#task].body() };
+    return { study: this.#task, ...this.#callbacks.rig(), ...this.#forms[this.#task].body() };
   }
 
   #changed() {
@@ -204,7 +204,7 @@ export class Study {
   #found(task, command, { name, text }, { page, settings, result }) {
     const take = html('button', { type: 'button', class: 'main', id: 'study-take' }, TASKS[task].take);
     take.addEventListener('click', () => {
-      if (this.#weigh()) this.#told.take(settings);
+      if (this.#weigh()) this.#callbacks.take(settings);
     });
     this.#offered = { take, what: html('small', {}), settings, rig: { name, text } };
     this.#weigh();
@@ -217,7 +217,7 @@ export class Study {
   #weigh() {
     if (!this.#offered) return false;
     const { take, what, settings, rig } = this.#offered;
-    const { name, text } = this.#told.rig();
+    const { name, text } = this.#callbacks.rig();
     const isSame = name === rig.name && text === rig.text;
     take.disabled = !isSame || settings.length === 0;
     const words = isSame ? settings.join(', ') || 'nothing to take over' : 'found for another rig';

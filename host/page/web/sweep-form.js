@@ -8,19 +8,19 @@ const VARIED = ['number', 'integer', 'choice', 'switch'];
 /** Collected if nothing else is chosen. */
 const USUAL = ['settling_s', 'overshoot_mm'];
 
-/** The form of a sweep. `told.changed()` hears of every change, `told.state()` gives the rig's keys and values. */
+/** The form of a sweep. `callbacks.changed()` hears of every change, `callbacks.state()` gives the rig's keys and values. */
 export class SweepForm {
   #keys;
-  #told;
+  #callbacks;
   #rows = [];
   #list = html('div', { class: 'varied' });
   #figures = [];
   #aim;
   #runs;
 
-  constructor(keys, { figures }, told) {
+  constructor(keys, { figures }, callbacks) {
     this.#keys = keys.filter(({ kind }) => VARIED.includes(kind.type));
-    this.#told = told;
+    this.#callbacks = callbacks;
     this.#figures = figures.map(({ name, meaning }) => {
       const box = html('input', { type: 'checkbox', value: name, id: `figure-${name}`, checked: USUAL.includes(name) });
       return { name, box, element: html('label', { title: meaning }, box, ` ${name}`) };
@@ -33,7 +33,7 @@ export class SweepForm {
     this.element = html('div', {}, html('h3', {}, 'What varies'), this.#list, html('p', {}, more),
       html('h3', {}, 'What is collected of the moves'), html('div', { class: 'choices' }, ...this.#figures.map(({ element }) => element)),
       ...labelled('sweep-best', 'The best point', this.#aim), ...labelled('sweep-runs', 'Runs of each point', this.#runs, 'the rig and its perturbed runs'));
-    this.element.addEventListener('input', () => told.changed());
+    this.element.addEventListener('input', () => callbacks.changed());
   }
 
   /** The rig has other keys or values. */
@@ -52,7 +52,7 @@ export class SweepForm {
   }
 
   #used() {
-    const { used, values } = this.#told.state();
+    const { used, values } = this.#callbacks.state();
     return this.#keys.filter(({ path }) => used.has(path) && values[path]);
   }
 
@@ -64,7 +64,7 @@ export class SweepForm {
     if (!key) return;
     this.#rows.push(this.#row(key));
     this.#list.replaceChildren(...this.#rows.map(({ element }) => element));
-    this.#told.changed();
+    this.#callbacks.changed();
   }
 
   #row(key) {
@@ -78,12 +78,12 @@ export class SweepForm {
     const choose = () => this.#fill(row, this.#keys.find(({ path }) => path === select.value));
     select.addEventListener('change', () => {
       choose();
-      this.#told.changed();
+      this.#callbacks.changed();
     });
     remove.addEventListener('click', () => {
       this.#rows = this.#rows.filter((other) => other !== row);
       row.element.remove();
-      this.#told.changed();
+      this.#callbacks.changed();
     });
     choose();
     return row;
@@ -98,7 +98,7 @@ export class SweepForm {
       return;
     }
     const field = (name, value) => html('input', { type: 'text', class: name, 'aria-label': `${key.path} ${name}`, inputmode: 'decimal', size: 8, value });
-    const [low, high] = around(key.kind, this.#told.state().values[key.path].number);
+    const [low, high] = around(key.kind, this.#callbacks.state().values[key.path].number);
     const [from, to, steps] = [field('from', low), field('to', high), field('steps', 5)];
     const log = html('input', { type: 'checkbox', 'aria-label': `${key.path} in even ratios` });
     row.over.replaceChildren('from ', from, ' to ', to, ` ${key.unit} in `, steps, ' values ', html('label', {}, log, ' even ratios'));

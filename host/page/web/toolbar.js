@@ -8,25 +8,25 @@ import { html } from './svg.js';
 
 export class Toolbar {
   #plot;
-  #told;
+  #callbacks;
   #records;
   #align;
   /** The buttons that need a run. */
   #ofRun;
 
-  /** `told` has `run()`, `name()`, `described()` for a report, and `spectrum()`. */
-  constructor(element, plot, records, told) {
+  /** `callbacks` has `run()`, `name()`, `described()` for a report, and `spectrum()`. */
+  constructor(element, plot, records, callbacks) {
     this.#plot = plot;
     this.#records = records;
-    this.#told = told;
+    this.#callbacks = callbacks;
     this.#align = this.#alignment();
     const [csv, report] = this.#ofRun = [
-      button('CSV', 'The curves of this run as a table', () => this.#offer('csv', toCsv(told.run()))),
+      button('CSV', 'The curves of this run as a table', () => this.#offer('csv', toCsv(callbacks.run()))),
       button('Report', 'Figures and graphs as a page to print', () => this.#report()),
     ];
     element.append(...PANELS.map(({ id }) => this.#toggle(id)), this.#align,
       button('whole time', 'All samples of the runs', () => plot.zoom(), 'plain'),
-      button('Spectrum…', 'Which frequencies a channel holds, in the part that is in view', () => told.spectrum()),
+      button('Spectrum…', 'Which frequencies a channel holds, in the part that is in view', () => callbacks.spectrum()),
       csv,
       button('PNG', 'The graphs as a picture', async () => this.#offer('png', await plot.toPng())),
       button('SVG', 'The graphs as a drawing, in the colours of paper', () => this.#offer('svg', toFile(plot.toSvg()))),
@@ -37,7 +37,7 @@ export class Toolbar {
   /** Shows what depends on the run and the records. */
   update() {
     this.#align.hidden = this.#records.all.length === 0;
-    for (const one of this.#ofRun) one.disabled = this.#told.run() === null;
+    for (const one of this.#ofRun) one.disabled = this.#callbacks.run() === null;
   }
 
   #toggle(id) {
@@ -57,12 +57,12 @@ export class Toolbar {
   }
 
   #offer(kind, content) {
-    offer(`${this.#told.name().replace(/\.toml$/, '')}.${kind}`, content);
+    offer(`${this.#callbacks.name().replace(/\.toml$/, '')}.${kind}`, content);
   }
 
   async #report() {
     const style = await (await fetch('report.css')).text();
-    this.#offer('html', toReport({ ...this.#told.described(), graphs: this.#plot.toSvg(), style }));
+    this.#offer('html', toReport({ ...this.#callbacks.described(), graphs: this.#plot.toSvg(), style }));
   }
 }
 

@@ -16,11 +16,11 @@ const FIELDS = [
   ['draws', 'Fresh draws', 'that judge the gains'],
 ];
 
-/** The form of a tuning. `told.changed()` hears of every change. */
+/** The form of a tuning. `callbacks.changed()` hears of every change. */
 export class TuneForm {
   #fields;
 
-  constructor(_, { goal }, told) {
+  constructor(_, { goal }, callbacks) {
     this.#fields = FIELDS.map(([name, label, unit]) => {
       const field = html('input', { type: 'text', id: `tune-${name}`, inputmode: 'decimal', size: 8, value: goal[name] });
       return { name, label, unit, field };
@@ -29,7 +29,7 @@ export class TuneForm {
     this.element = html('div', {}, html('h3', {}, 'What is asked of a step'), ...lines(0, 4),
       html('h3', {}, 'The rigs that the drive may turn out to be'), ...lines(4, 7),
       html('h3', {}, 'How long is looked for'), ...lines(7));
-    this.element.addEventListener('input', () => told.changed());
+    this.element.addEventListener('input', () => callbacks.changed());
   }
 
   show() {}

@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use pneudrive_controller::parameters::id;
-use pneudrive_identify::plan::{self, Bench};
+use pneudrive_identify::plan::{self, TestRig};
 use pneudrive_link::client::Client;
 use pneudrive_records::target::TargetFile;
 use pneudrive_session::borrowed::lend;
@@ -42,7 +42,7 @@ struct AtDrive<'a> {
     files: Vec<(String, TargetFile)>,
 }
 
-impl Bench for AtDrive<'_> {
+impl TestRig for AtDrive<'_> {
     fn run(&mut self, test: &Rig) -> Result<()> {
         set_loop(self.client, test)?;
         let prepared = TestRun::of(test).prepare(self.client, None)?;

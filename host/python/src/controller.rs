@@ -3,9 +3,9 @@
 use pneudrive_controller::{
     self as controller, Config, Fault, Mode, Parameters, Refusal, Sequence, State, output, sample,
 };
-use pneudrive_protocol::Refused as RefusedReply;
+use pneudrive_protocol::RequestRefusal;
 use pneudrive_records::words;
-use pneudrive_sim::component::controller::Model;
+use pneudrive_sim::component::controller::ControllerKind;
 use pneudrive_sim::keys;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -117,7 +117,7 @@ pub struct Controller {
 }
 
 fn refused(refusal: Refusal) -> PyErr {
-    Refused::new_err(words::refusal(&RefusedReply::NotNow(refusal.code())))
+    Refused::new_err(words::refusal(&RequestRefusal::NotNow(refusal.code())))
 }
 
 #[pymethods]
@@ -128,7 +128,7 @@ impl Controller {
     #[pyo3(signature = (rig, /, *, start=true))]
     fn new(rig: RigOrSource, start: bool) -> PyResult<Controller> {
         let rig = rig.0.rig;
-        if rig.get(&keys::controller::MODEL) == Model::Continuous {
+        if rig.get(&keys::controller::MODEL) == ControllerKind::Continuous {
             let text =
                 "the continuous controller is the simulator's own; write controller.model = \"sampled\"";
             return Err(PyValueError::new_err(text));

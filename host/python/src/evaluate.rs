@@ -1,9 +1,9 @@
 //! `evaluate`: what a transient tells about its moves.
 
 use anyhow::bail;
+use pneudrive_evaluate::cancel::CancelToken;
 use pneudrive_evaluate::evaluation::{Chambers, Motion, TOLERANCE_MM, moves, refuse_other_rig};
 use pneudrive_evaluate::transient::Transient;
-use pneudrive_evaluate::wanted::Wanted;
 use pneudrive_optimise::ensemble::run_ensemble;
 use pneudrive_records::run_folder::{StoredRun, rig_of};
 use pyo3::exceptions::PyValueError;
@@ -89,7 +89,7 @@ fn of_run(
         work::run(py, bar, |meter| {
             let tell = |done, all| meter.at(done, all);
             let ensemble = work::pool(None)?
-                .install(|| run_ensemble(rig, accuracy, spacing, measure, tell, Wanted::ALWAYS))?;
+                .install(|| run_ensemble(rig, accuracy, spacing, measure, tell, CancelToken::NEVER))?;
             ensemble.measured.into_iter().collect::<anyhow::Result<Vec<_>>>()
         })?
     };

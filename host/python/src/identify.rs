@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use pneudrive_evaluate::wanted::Wanted;
+use pneudrive_evaluate::cancel::CancelToken;
 use pneudrive_identify::parameter::{Parameter, usual};
 use pneudrive_identify::recording::Recording;
 use pneudrive_identify::report;
@@ -125,7 +125,7 @@ pub fn identify(
                 parameters,
                 accuracy,
                 &mut tell,
-                Wanted::ALWAYS,
+                CancelToken::NEVER,
             )
         };
         let found = work::pool(None)?.install(fit)?;

@@ -5,8 +5,8 @@ use std::sync::{Arc, OnceLock};
 
 use anyhow::Result;
 use pneudrive_controller::Observation;
+use pneudrive_evaluate::cancel::CancelToken;
 use pneudrive_evaluate::evaluation::{Move as Measured, TOLERANCE_MM, moves_of_run, table, to_json};
-use pneudrive_evaluate::wanted::Wanted;
 use pneudrive_evaluate::{report, transient};
 use pneudrive_optimise::ensemble::run_ensemble;
 use pneudrive_records::band::CHANNELS;
@@ -134,7 +134,7 @@ fn with_ensemble(
     let tell = |done, all| meter.at(done, all);
     let pool = work::pool(None)?;
     let ensemble =
-        pool.install(|| run_ensemble(rig, plan.accuracy, plan.spacing, measure, tell, Wanted::ALWAYS))?;
+        pool.install(|| run_ensemble(rig, plan.accuracy, plan.spacing, measure, tell, CancelToken::NEVER))?;
     let mut judged = ensemble.nominal;
     if plan.recording().valve {
         // The same run again, now with a look into the valve at every row.

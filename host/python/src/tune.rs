@@ -3,7 +3,7 @@
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
-use pneudrive_evaluate::wanted::Wanted;
+use pneudrive_evaluate::cancel::CancelToken;
 use pneudrive_optimise::tuning::search::Budget;
 use pneudrive_optimise::tuning::{self, Behaviour, Goal, Proportion, Relative, Task, report};
 use pneudrive_records::own_file::{GENERATOR, make_writable, refuse_to_replace};
@@ -184,7 +184,7 @@ pub fn tune(
             }
             meter.at((before + at.done as u64).min(all), all);
         };
-        let tuned = work::pool(threads)?.install(|| tuning::tune(&task, tell, Wanted::ALWAYS))?;
+        let tuned = work::pool(threads)?.install(|| tuning::tune(&task, tell, CancelToken::NEVER))?;
         meter.at(all, all);
         Ok(tuned)
     })?;
@@ -238,7 +238,7 @@ impl Tuned {
             make_writable(&folder)?;
             refuse_to_replace(&page, GENERATOR)?;
             refuse_to_replace(&rig, report::MARK)?;
-            let behaviour = Behaviour::of(&self.task, &self.tuned, |_| {}, Wanted::ALWAYS)?;
+            let behaviour = Behaviour::of(&self.task, &self.tuned, |_| {}, CancelToken::NEVER)?;
             report::write_page(&self.task, &self.tuned, &behaviour, &page, Library::Beside)?;
             put(&rig, &report::rig_file(&self.task, &self.tuned)?)
         })

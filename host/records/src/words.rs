@@ -2,7 +2,7 @@
 
 use pneudrive_controller::{Fault, Refusal};
 use pneudrive_protocol::session::NO_BOOT;
-use pneudrive_protocol::{Presence, Refused, code};
+use pneudrive_protocol::{Presence, RequestRefusal, code};
 use pneudrive_sim::{Convergence, Rig, Run};
 
 use crate::judged::{FailedMembers, Judged, Spacing};
@@ -206,27 +206,29 @@ fn not_now(of: u8) -> String {
 }
 
 /// Why the rig refused, and the remedy.
-pub fn refusal(refused: &Refused<'_>) -> String {
+pub fn refusal(refused: &RequestRefusal<'_>) -> String {
     match refused {
-        Refused::NotNow(of) => not_now(*of),
-        Refused::UnknownParameter { id } => format!("the firmware has no parameter {id}"),
-        Refused::OutOfRange { id, value } => out_of_range(*id, *value),
-        Refused::Inconsistent { advice } => {
+        RequestRefusal::NotNow(of) => not_now(*of),
+        RequestRefusal::UnknownParameter { id } => format!("the firmware has no parameter {id}"),
+        RequestRefusal::OutOfRange { id, value } => out_of_range(*id, *value),
+        RequestRefusal::Inconsistent { advice } => {
             format!("the parameters are inconsistent: {}", sanitised(advice, SENTENCE))
         }
-        Refused::TestTooLong => "the test is too long".to_owned(),
-        Refused::MovesOutOfOrder => "the moves are not in order of time".to_owned(),
-        Refused::TooManyMoves => "the test has more moves than the firmware holds".to_owned(),
-        Refused::NoRecord => "nothing has been recorded; run a test first (`pneudrive run`)".to_owned(),
-        Refused::RecordRange { samples } => format!("the record has only {samples} samples"),
-        Refused::NotStored => "the board could not write its flash".to_owned(),
-        Refused::OtherRecord => "its record has changed; record again".to_owned(),
-        Refused::Owned(owner) => owned(owner.presence, owner.host, owner.silent_ms),
-        Refused::ChangeNotWhole => "a part of what was sent is missing; try again".to_owned(),
-        Refused::OtherTest => {
+        RequestRefusal::TestTooLong => "the test is too long".to_owned(),
+        RequestRefusal::MovesOutOfOrder => "the moves are not in order of time".to_owned(),
+        RequestRefusal::TooManyMoves => "the test has more moves than the firmware holds".to_owned(),
+        RequestRefusal::NoRecord => {
+            "nothing has been recorded; run a test first (`pneudrive run`)".to_owned()
+        }
+        RequestRefusal::RecordRange { samples } => format!("the record has only {samples} samples"),
+        RequestRefusal::NotStored => "the board could not write its flash".to_owned(),
+        RequestRefusal::OtherRecord => "its record has changed; record again".to_owned(),
+        RequestRefusal::Owned(owner) => owned(owner.presence, owner.host, owner.silent_ms),
+        RequestRefusal::ChangeNotWhole => "a part of what was sent is missing; try again".to_owned(),
+        RequestRefusal::OtherTest => {
             "another program has sent another test, or changed the parameters; run again".to_owned()
         }
-        Refused::OtherBoot { number } => {
+        RequestRefusal::OtherBoot { number } => {
             let now = match *number {
                 NO_BOOT => "it no longer counts its boots".to_owned(),
                 number => format!("boot {number} now"),
@@ -235,7 +237,7 @@ pub fn refusal(refused: &Refused<'_>) -> String {
                 "the rig was reset since this program connected ({now}), and refuses requests from before the reset; run again"
             )
         }
-        Refused::Unknown => {
+        RequestRefusal::Unknown => {
             "the firmware does not know this request; flash the firmware that belongs to this program"
                 .to_owned()
         }

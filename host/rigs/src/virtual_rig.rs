@@ -266,7 +266,7 @@ impl VirtualRig {
     /// # Errors
     /// For a rig with the simulator's own controller.
     pub fn with_flash(rig: Rig, seed: u64, pace: Pace, flash: PersistentFlash) -> Result<VirtualRig> {
-        if rig.get(&keys::controller::MODEL) == controller::Model::Continuous {
+        if rig.get(&keys::controller::MODEL) == controller::ControllerKind::Continuous {
             bail!(
                 "the continuous controller exists only in the simulator; a virtual rig runs the firmware's controller, so write controller.model = \"sampled\""
             );

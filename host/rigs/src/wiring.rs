@@ -125,7 +125,7 @@ impl Wiring {
     }
 
     /// Puts a wire right.
-    pub fn mend(&self, fault: WiringFault) {
+    pub fn repair(&self, fault: WiringFault) {
         self.with(|shared| shared.faults.retain(|other| *other != fault));
     }
 

@@ -111,23 +111,23 @@ pub fn lend<T>(client: &mut Client, ids: &[u16], work: impl FnOnce(&mut Client) 
 
 /// What a killed program has left.
 #[derive(Debug, Default, PartialEq, Eq)]
-struct Left {
+struct Unreturned {
     program: u32,
     boot: u32,
     borrowed: Vec<u16>,
     all: Vec<(u16, i32)>,
 }
 
-impl Left {
+impl Unreturned {
     /// Reads the text of [`Borrowed::text`]; None for any other text.
-    fn read(text: &str) -> Option<Left> {
+    fn read(text: &str) -> Option<Unreturned> {
         let mut lines = text.lines();
         if lines.next()? != HEAD {
             return None;
         }
         let program = lines.next()?.strip_prefix("program ")?.parse().ok()?;
         let boot = lines.next()?.strip_prefix("boot ")?.parse().ok()?;
-        let mut left = Left { program, boot, ..Left::default() };
+        let mut left = Unreturned { program, boot, ..Unreturned::default() };
         for line in &mut lines {
             if line == LAST {
                 return lines.next().is_none().then_some(left);
@@ -199,7 +199,7 @@ fn named(id: u16, value: i32) -> String {
     Written::of(id).map_or_else(String::new, |written| format!("{} = {}", written.name, written.text(value)))
 }
 
-fn left_at(path: &Path) -> Result<Option<Left>> {
+fn left_at(path: &Path) -> Result<Option<Unreturned>> {
     let about = match fs::symlink_metadata(path) {
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
         about => about.with_context(|| format!("cannot read {}", path.display()))?,
@@ -208,7 +208,7 @@ fn left_at(path: &Path) -> Result<Option<Left>> {
         bail!("{} is not a file of this program; remove it", path.display());
     }
     let text = fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
-    let left = Left::read(&text);
+    let left = Unreturned::read(&text);
     left.map(Some).ok_or_else(|| {
         anyhow!("{} is damaged; remove it, and look at controller.loop of the drive", path.display())
     })
@@ -232,7 +232,7 @@ mod tests {
         let values = vec![(id::OPEN_LOOP, 0)];
         let parameters = RigParameters::default();
         let text = Borrowed { path: PathBuf::new(), values }.text(7, &parameters);
-        let left = Left::read(&text).expect("it is one");
+        let left = Unreturned::read(&text).expect("it is one");
         assert_eq!((left.boot, &left.borrowed), (7, &vec![id::OPEN_LOOP]));
         assert_eq!(left.all.len(), parameters.values.iter().count());
         for damaged in [
@@ -240,17 +240,17 @@ mod tests {
             "pneudrive-borrowed 2\nprogram 1\nboot 1\nend\n",
             "pneudrive-borrowed 1\nprogram 1\nboot x\nend\n",
         ] {
-            assert_eq!(Left::read(damaged), None, "{damaged}");
+            assert_eq!(Unreturned::read(damaged), None, "{damaged}");
         }
         for cut in 0..text.len() - 1 {
-            assert_eq!(Left::read(&text[..cut]), None, "cut behind {cut} bytes");
+            assert_eq!(Unreturned::read(&text[..cut]), None, "cut behind {cut} bytes");
         }
     }
 
     #[test]
     fn it_is_for_a_drive_whose_other_parameters_are_the_same_but_for_a_learned_null() {
         let parameters = RigParameters::default();
-        let left = Left {
+        let left = Unreturned {
             program: 1,
             boot: 1,
             borrowed: vec![id::OPEN_LOOP],
@@ -266,7 +266,7 @@ mod tests {
         assert!(!left.is_of(&with(id::PERIOD_US, 2000)), "somebody has set it since");
         assert_eq!(left.differing(&with(id::OPEN_LOOP, 1)), [(id::OPEN_LOOP, 0)]);
         assert!(left.is_in_force(1) && !left.is_in_force(2));
-        assert!(!Left { boot: 0, ..left }.is_in_force(0), "it does not count boots");
+        assert!(!Unreturned { boot: 0, ..left }.is_in_force(0), "it does not count boots");
     }
 
     #[test]

@@ -225,7 +225,7 @@ pub fn wait_for_null(client: &mut Client, rig: &Rig, interrupted: &mut Interrupt
     let begun = Instant::now();
     while begun.elapsed() < WALK_TO_NULL {
         interrupted()?;
-        if rig.get(&keys::operator::MODEL) != operator::Model::Stepper || client.status()?.spool == 0 {
+        if rig.get(&keys::operator::MODEL) != operator::OperatorKind::Stepper || client.status()?.spool == 0 {
             break;
         }
         std::thread::sleep(Duration::from_millis(10));

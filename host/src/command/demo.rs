@@ -3,10 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
+use pneudrive_evaluate::cancel::CancelToken;
 use pneudrive_evaluate::evaluation::to_json;
 use pneudrive_evaluate::report;
 use pneudrive_evaluate::transient::Transient;
-use pneudrive_evaluate::wanted::Wanted;
 use pneudrive_link::client::Client;
 use pneudrive_optimise::ensemble::run_ensemble;
 use pneudrive_records::judged::{Judged, Spacing};
@@ -64,8 +64,14 @@ pub(super) fn execute(arguments: &Demo) -> Result<()> {
 
     say!("4. the same test, simulated from the rig file");
     let spacing = Spacing::default();
-    let ensemble =
-        run_ensemble(&model, Accuracy::of(&model), spacing, simulate::figures, |_, _| {}, Wanted::ALWAYS)?;
+    let ensemble = run_ensemble(
+        &model,
+        Accuracy::of(&model),
+        spacing,
+        simulate::figures,
+        |_, _| {},
+        CancelToken::NEVER,
+    )?;
     let judged = ensemble.nominal;
     for note in words::run(&model, &judged) {
         say!("   {note}");

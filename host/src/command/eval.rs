@@ -4,12 +4,12 @@ use std::fmt::Write;
 use std::path::Path;
 
 use anyhow::{Error, Result, anyhow, bail};
+use pneudrive_evaluate::cancel::CancelToken;
 use pneudrive_evaluate::evaluation::{
     Chambers, Motion, Move, moves, refuse_other_rig, remarks, table, to_json,
 };
 use pneudrive_evaluate::report;
 use pneudrive_evaluate::transient::{CHANNELS, Transient};
-use pneudrive_evaluate::wanted::Wanted;
 use pneudrive_optimise::ensemble::{Ensemble, run_ensemble};
 use pneudrive_records::judged::Spacing;
 use pneudrive_records::own_file::{GENERATOR, refuse_to_replace};
@@ -129,8 +129,14 @@ fn with_ensemble(arguments: &Eval, own: Vec<Move>) -> Result<(Vec<Vec<Move>>, Op
         let part = within(&Transient::of_run("", &StoredRun::of(rig, run)), &arguments.interval);
         moves(&part, &Motion::of(&part), Some(&Chambers::of(rig)), arguments.tolerance)
     };
-    let ensemble =
-        run_ensemble(&rig, accuracy, spacing, measure, |done, all| progress.at(done, all), Wanted::ALWAYS);
+    let ensemble = run_ensemble(
+        &rig,
+        accuracy,
+        spacing,
+        measure,
+        |done, all| progress.at(done, all),
+        CancelToken::NEVER,
+    );
     progress.done();
     let Ensemble { nominal, measured } = ensemble?;
     if is_trace(&arguments.file, &nominal.run)? {

@@ -1,7 +1,7 @@
 //! The results of commands as JSON, by their types (docs/json.md has every field). An unknown number is null.
 
 use pneudrive_evaluate::deviation::Deviation;
-use pneudrive_evaluate::replay::{Difference, Replay, What};
+use pneudrive_evaluate::replay::{ComparedQuantity, Difference, Replay};
 use pneudrive_optimise::ladder::Rung;
 use pneudrive_records::judged::Judged;
 use pneudrive_records::words;
@@ -47,7 +47,7 @@ pub(super) fn deviations(all: &[Deviation]) -> Value {
 /// A replay of the file of this name.
 pub(super) fn replay(file: &str, replay: &Replay) -> Value {
     let difference = |first: Difference| {
-        let outputs = (first.what != What::Sample).then_some((first.recorded, first.replayed));
+        let outputs = (first.what != ComparedQuantity::Sample).then_some((first.recorded, first.replayed));
         json!({
             "sample": first.index,
             "what": first.what.name(),

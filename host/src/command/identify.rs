@@ -8,7 +8,7 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
-use pneudrive_evaluate::wanted::Wanted;
+use pneudrive_evaluate::cancel::CancelToken;
 use pneudrive_identify::figures::Figures;
 use pneudrive_identify::independence::is_same;
 use pneudrive_identify::parameter::{Parameter, usual};
@@ -55,7 +55,7 @@ pub(super) fn execute(arguments: &Identify) -> Result<()> {
     make_writable(&arguments.out)?;
     let accuracy = arguments.integration.accuracy(&rig);
     let found =
-        identify(&rig, &recordings, parameters, accuracy, &mut |line| tell!("{line}"), Wanted::ALWAYS)?;
+        identify(&rig, &recordings, parameters, accuracy, &mut |line| tell!("{line}"), CancelToken::NEVER)?;
     json::figures(|| report::to_json(&found, &recordings));
     for table in &report::tables(&found) {
         say!("{}\n{}", table.heading, table.to_text());

@@ -1,7 +1,7 @@
 //! `pneudrive replay`.
 
 use anyhow::{Context, Result};
-use pneudrive_evaluate::replay::{Difference, Replay, What, replay};
+use pneudrive_evaluate::replay::{ComparedQuantity, Difference, Replay, replay};
 use pneudrive_records::target::TargetFile;
 use pneudrive_records::words;
 
@@ -58,7 +58,7 @@ fn tripped(replay: &Replay) -> Option<String> {
 fn parting(replay: &Replay, first: Difference) -> String {
     let Difference { index, what, recorded, replayed, inferred } = first;
     let sides = match what {
-        What::Sample => "the run continues in the record, but is over in the replay".to_owned(),
+        ComparedQuantity::Sample => "the run continues in the record, but is over in the replay".to_owned(),
         _ => format!("{} {recorded} recorded, {replayed} replayed", what.name()),
     };
     let count = format!("{} of {} samples differ", replay.differences, replay.recorded.len());

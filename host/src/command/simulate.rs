@@ -3,11 +3,11 @@
 use std::time::Instant;
 
 use anyhow::Result;
+use pneudrive_evaluate::cancel::CancelToken;
 use pneudrive_evaluate::evaluation::{Move, TOLERANCE_MM, moves_of_run, remarks, table, to_json};
-use pneudrive_evaluate::recorded_test::{Taken, taken_from};
+use pneudrive_evaluate::recorded_test::{RigOfRecord, taken_from};
 use pneudrive_evaluate::report;
 use pneudrive_evaluate::transient::Transient;
-use pneudrive_evaluate::wanted::Wanted;
 use pneudrive_optimise::ensemble::{Ensemble, run_ensemble};
 use pneudrive_records::judged::Judged;
 use pneudrive_records::move_points::Through;
@@ -27,14 +27,20 @@ use crate::json;
 
 pub(super) fn execute(arguments: &Simulate) -> Result<()> {
     make_writable(&arguments.out)?;
-    let Taken { rig, notes: origin } = rig_of(arguments)?;
+    let RigOfRecord { rig, notes: origin } = rig_of(arguments)?;
     run_folder::refuse_other_rig(&arguments.out, &rig, existing(arguments.overwrite))?;
     let accuracy = arguments.integration.accuracy(&rig);
     let mut progress = Progress::new("simulating");
     let begin = Instant::now();
     let spacing = arguments.members.spacing();
-    let ensemble =
-        run_ensemble(&rig, accuracy, spacing, figures, |done, all| progress.at(done, all), Wanted::ALWAYS);
+    let ensemble = run_ensemble(
+        &rig,
+        accuracy,
+        spacing,
+        figures,
+        |done, all| progress.at(done, all),
+        CancelToken::NEVER,
+    );
     let took = begin.elapsed();
     progress.done();
     let Ensemble { nominal: mut judged, measured: moves } = ensemble?;
@@ -73,7 +79,7 @@ pub(super) fn execute(arguments: &Simulate) -> Result<()> {
 }
 
 /// The rig with the test to run, and notes on the origin of the test.
-fn rig_of(arguments: &Simulate) -> Result<Taken> {
+fn rig_of(arguments: &Simulate) -> Result<RigOfRecord> {
     let mut rig = load_choice(&arguments.rig)?;
     if let Some(test) = &arguments.test {
         rig = rig.with_test_of(&load_rig(test, &[])?)?;
@@ -82,9 +88,9 @@ fn rig_of(arguments: &Simulate) -> Result<Taken> {
         (Some(from), _) => taken_from(from, &rig),
         (None, Some(table)) => {
             let Through { rig, notes } = through_points(&rig, table, &arguments.rig.settings)?;
-            Ok(Taken { rig, notes })
+            Ok(RigOfRecord { rig, notes })
         }
-        (None, None) => Ok(Taken { rig, notes: Vec::new() }),
+        (None, None) => Ok(RigOfRecord { rig, notes: Vec::new() }),
     }
 }
 

@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use anyhow::Result;
-use pneudrive_evaluate::wanted::Wanted;
+use pneudrive_evaluate::cancel::CancelToken;
 use pneudrive_optimise::tuning::search::Budget;
 use pneudrive_optimise::tuning::{
     Behaviour, Goal, Progress as At, Relative, Stage, Task, behaviour, report, tune,
@@ -34,8 +34,8 @@ pub(super) fn execute(arguments: &Tune) -> Result<()> {
         allow("the tuning", lasts, arguments.yes)?;
     }
     let mut bars = Bars::default();
-    let tuned = tune(&task, |at| bars.at(at), Wanted::ALWAYS)?;
-    let behaviour = Behaviour::of(&task, &tuned, |at| bars.at(at), Wanted::ALWAYS)?;
+    let tuned = tune(&task, |at| bars.at(at), CancelToken::NEVER)?;
+    let behaviour = Behaviour::of(&task, &tuned, |at| bars.at(at), CancelToken::NEVER)?;
     bars.done();
     report::write_page(&task, &tuned, &behaviour, &page, arguments.pages.library())?;
     put(&rig, &report::rig_file(&task, &tuned)?)?;
@@ -75,7 +75,7 @@ fn lasts(task: &Task) -> Result<Option<Duration>> {
         return Ok(None);
     }
     let begun = Instant::now();
-    let runs = tune(&task.taste(), |_| {}, Wanted::ALWAYS)?.runs.max(1);
+    let runs = tune(&task.taste(), |_| {}, CancelToken::NEVER)?.runs.max(1);
     let all = task.max_runs()? as f64 + behaviour::steps_worth(task);
     Ok(Some(begun.elapsed().mul_f64(all / runs as f64)))
 }

@@ -11,13 +11,13 @@ use std::sync::{Arc, Mutex, PoisonError};
 use axum::Json;
 use axum::extract::{self, State};
 use axum::http::StatusCode;
-use pneudrive_page::refusal::Refusal;
+use pneudrive_page::refusal::HttpRefusal;
 use pneudrive_page::rigs::{self, Opened, ToSave};
 use pneudrive_records::whole_file;
 use pneudrive_sim::rig::builtin;
 use serde_json::{Value, json};
 
-use crate::refused::Refused;
+use crate::refusal_response::RefusalResponse;
 
 /// Where rig files are.
 #[derive(Debug)]
@@ -41,7 +41,7 @@ impl Files {
     }
 
     /// Writes a rig file whole or not at all.
-    fn save(&self, name: &str, text: &str, replace: bool) -> Result<(), Refusal> {
+    fn save(&self, name: &str, text: &str, replace: bool) -> Result<(), HttpRefusal> {
         let path = self.folder.join(file_name(name)?);
         let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
         let there = fs::read(&path);
@@ -51,10 +51,10 @@ impl Files {
         };
         if theirs && !replace {
             let message = format!("{} is there already, and the studio has not written it", path.display());
-            return Err(Refusal::new(StatusCode::CONFLICT, message));
+            return Err(HttpRefusal::new(StatusCode::CONFLICT, message));
         }
         let mark = if there.is_ok_and(|there| there.starts_with(MARK)) { MARK } else { &[] };
-        whole_file::put(&path, &[mark, text.as_bytes()].concat()).map_err(|error| Refusal::of(&error))?;
+        whole_file::put(&path, &[mark, text.as_bytes()].concat()).map_err(|error| HttpRefusal::of(&error))?;
         known.insert(name.to_owned(), text.to_owned());
         Ok(())
     }
@@ -68,7 +68,7 @@ fn without_mark(bytes: &[u8]) -> &[u8] {
 }
 
 /// A name that stays within the folder.
-fn file_name(name: &str) -> Result<&str, Refusal> {
+fn file_name(name: &str) -> Result<&str, HttpRefusal> {
     let plain = |letter: char| letter.is_alphanumeric() || "-_. ".contains(letter);
     let fits =
         name.ends_with(".toml") && !name.starts_with('.') && name.len() <= 100 && name.chars().all(plain);
@@ -77,7 +77,7 @@ fn file_name(name: &str) -> Result<&str, Refusal> {
     }
     let message =
         format!("{name:?} is no name of a rig file: write letters, digits, - and _, with .toml at the end");
-    Err(Refusal::new(StatusCode::BAD_REQUEST, message))
+    Err(HttpRefusal::new(StatusCode::BAD_REQUEST, message))
 }
 
 /// The built-in rigs, and the one that was opened.
@@ -89,7 +89,7 @@ pub async fn list(State(files): State<Arc<Files>>) -> Json<Value> {
 ///
 /// # Errors
 /// When there is none of that name.
-pub async fn open(extract::Path(name): extract::Path<String>) -> Result<Json<Opened>, Refused> {
+pub async fn open(extract::Path(name): extract::Path<String>) -> Result<Json<Opened>, RefusalResponse> {
     Ok(Json(Opened::builtin(&name)?))
 }
 
@@ -101,7 +101,7 @@ pub async fn open(extract::Path(name): extract::Path<String>) -> Result<Json<Ope
 pub async fn save(
     State(files): State<Arc<Files>>,
     Json(ToSave { asked, file, replace }): Json<ToSave>,
-) -> Result<Json<Value>, Refused> {
+) -> Result<Json<Value>, RefusalResponse> {
     let text = rigs::text_to_save(&asked, &file)?;
     files.save(&file, &text, replace)?;
     Ok(Json(json!({ "name": file, "text": text })))

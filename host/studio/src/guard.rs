@@ -16,10 +16,10 @@ use axum::http::header::{AUTHORIZATION, HOST, HeaderMap, HeaderName, HeaderValue
 use axum::http::{StatusCode, Uri};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
-use pneudrive_page::refusal::Refusal;
+use pneudrive_page::refusal::HttpRefusal;
 
-use crate::door::Guest;
-use crate::refused::Refused;
+use crate::connections::Connection;
+use crate::refusal_response::RefusalResponse;
 use crate::token::Token;
 
 /// The longest body of a request: a rig file of the longest kind in JSON, bytes.
@@ -71,7 +71,7 @@ pub async fn watch(State(guard): State<Arc<Guard>>, request: Request, next: Next
             {
                 tokio::time::sleep(PAUSE).await;
             }
-            Refused(refusal).into_response()
+            RefusalResponse(refusal).into_response()
         }
     };
     for (name, value) in HEADERS {
@@ -92,10 +92,10 @@ fn shown(headers: &HeaderMap) -> Option<&str> {
 /// Marks a connection as one that has shown the token.
 fn note_token(request: &Request) {
     let path = request.uri().path();
-    if let Some(guest) = request.extensions().get::<Arc<Guest>>()
+    if let Some(connection) = request.extensions().get::<Arc<Connection>>()
         && path.starts_with(API)
     {
-        guest.shows_token(path);
+        connection.shows_token(path);
     }
 }
 
@@ -104,19 +104,19 @@ impl Guard {
     ///
     /// # Errors
     /// The reason why it may not.
-    pub fn check(&self, uri: &Uri, headers: &HeaderMap) -> Result<(), Refusal> {
+    pub fn check(&self, uri: &Uri, headers: &HeaderMap) -> Result<(), HttpRefusal> {
         let text = |name| text_of(headers, name);
         let host = text(HOST).filter(|host| self.is_ours(host)).ok_or_else(|| {
             let message = format!("this server is called http://{}, and by no other name", self.address);
-            Refusal::new(StatusCode::FORBIDDEN, message)
+            HttpRefusal::new(StatusCode::FORBIDDEN, message)
         })?;
         if text(ORIGIN).is_some_and(|origin| origin.strip_prefix("http://") != Some(host)) {
-            return Err(Refusal::new(StatusCode::FORBIDDEN, "another page may not ask this server"));
+            return Err(HttpRefusal::new(StatusCode::FORBIDDEN, "another page may not ask this server"));
         }
         if uri.path().starts_with(API) && !shown(headers).is_some_and(|token| self.token.is(token)) {
             let message =
                 "open the studio by the address that `pneudrive studio` has printed: it holds the token";
-            return Err(Refusal::new(StatusCode::UNAUTHORIZED, message));
+            return Err(HttpRefusal::new(StatusCode::UNAUTHORIZED, message));
         }
         Ok(())
     }

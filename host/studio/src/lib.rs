@@ -11,20 +11,20 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | [`token`], [`guard`], [`refused`] | which requests are allowed, the headers of every answer, and refusals |
+//! | [`token`], [`guard`], [`refusal_response`] | which requests are allowed, the headers of every answer, and refusals |
 //! | [`served`] | the files of the page, and its requests |
 //! | [`files`] | rig files that are opened and saved |
 //! | [`study`] | studies for the page, with progress line by line |
 //! | [`commission`] | commissions a rig at a port from the page |
-//! | [`server`], [`door`] | the routes, the address, and which connections may stay |
+//! | [`server`], [`connections`] | the routes, the address, and which connections may stay |
 
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
 pub mod commission;
-pub mod door;
+pub mod connections;
 pub mod files;
 pub mod guard;
-pub mod refused;
+pub mod refusal_response;
 pub mod served;
 pub mod server;
 pub mod study;

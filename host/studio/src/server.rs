@@ -11,8 +11,8 @@ use axum::routing::{get, post};
 use pneudrive_page::answer::REQUESTS;
 use pneudrive_page::rigs::Opened;
 
-use crate::commission::{self, Drive};
-use crate::door;
+use crate::commission::{self, CommandedRig};
+use crate::connections;
 use crate::files::{self, Files};
 use crate::guard::{Guard, MAX_BYTES, MAX_BYTES_OF_RECORD, watch};
 use crate::served;
@@ -47,7 +47,7 @@ pub struct Studio {
     listener: TcpListener,
     guard: Arc<Guard>,
     files: Arc<Files>,
-    drive: Arc<Drive>,
+    drive: Arc<CommandedRig>,
 }
 
 impl Studio {
@@ -73,7 +73,7 @@ impl Studio {
             ),
         };
         let guard = Arc::new(Guard { address, token });
-        let (files, drive) = (Arc::new(Files::new(opened)), Arc::new(Drive::new(port)));
+        let (files, drive) = (Arc::new(Files::new(opened)), Arc::new(CommandedRig::new(port)));
         Ok(Studio { listener, guard, files, drive })
     }
 
@@ -116,7 +116,7 @@ impl Studio {
         let router = self.router();
         runtime.block_on(async {
             let listener = tokio::net::TcpListener::from_std(self.listener)?;
-            door::serve(listener, router).await;
+            connections::serve(listener, router).await;
             Ok(())
         })
     }

@@ -19,17 +19,17 @@ use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post};
 use axum::{Json, Router};
 use futures_util::stream::unfold;
-use pneudrive_page::refusal::Refusal;
+use pneudrive_page::refusal::HttpRefusal;
 use pneudrive_page::study::{Audience, Study, choices};
 use serde_json::{Value, json};
 use tokio::sync::Mutex;
 use tokio::sync::mpsc::{UnboundedSender, unbounded_channel};
 
-use crate::refused::Refused;
+use crate::refusal_response::RefusalResponse;
 
 /// The place for studies: one page at a time.
 #[derive(Debug, Default)]
-struct Desk {
+struct StudySlot {
     /// Whether a page waits.
     taken: AtomicBool,
     /// Held by the working thread. A cancelled study still ends its last run.
@@ -41,12 +41,12 @@ pub fn routes() -> Router {
     Router::new()
         .route("/api/choices", get(|| async { Json(choices()) }))
         .route("/api/study", post(begin))
-        .with_state(Arc::<Desk>::default())
+        .with_state(Arc::<StudySlot>::default())
 }
 
 /// A page that waits. When it goes, its study is cancelled.
 struct Waiting {
-    desk: Arc<Desk>,
+    desk: Arc<StudySlot>,
     waits: Arc<AtomicBool>,
 }
 
@@ -57,7 +57,10 @@ impl Drop for Waiting {
     }
 }
 
-async fn begin(State(desk): State<Arc<Desk>>, Json(body): Json<Value>) -> Result<Response, Refused> {
+async fn begin(
+    State(desk): State<Arc<StudySlot>>,
+    Json(body): Json<Value>,
+) -> Result<Response, RefusalResponse> {
     let study = Study::read(&body)?;
     let waiting = take(&desk)?;
     // A page that goes while it waits here has begun nothing.
@@ -75,10 +78,10 @@ async fn begin(State(desk): State<Arc<Desk>>, Json(body): Json<Value>) -> Result
     Ok(([(CONTENT_TYPE, "application/x-ndjson")], Body::from_stream(lines)).into_response())
 }
 
-fn take(desk: &Arc<Desk>) -> Result<Waiting, Refusal> {
+fn take(desk: &Arc<StudySlot>) -> Result<Waiting, HttpRefusal> {
     if desk.taken.swap(true, Ordering::Acquire) {
         let message = "another study is at work; cancel it or wait for its end";
-        return Err(Refusal::new(StatusCode::CONFLICT, message));
+        return Err(HttpRefusal::new(StatusCode::CONFLICT, message));
     }
     Ok(Waiting { desk: desk.clone(), waits: Arc::new(AtomicBool::new(true)) })
 }

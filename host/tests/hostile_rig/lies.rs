@@ -1,6 +1,6 @@
 //! The lies, and which commands they are told.
 
-use pneudrive_protocol::message::{RecordInfo, Refused, Spread, Status};
+use pneudrive_protocol::message::{RecordInfo, RequestRefusal, Spread, Status};
 use pneudrive_protocol::{
     Mode, Owner, Presence, RecordedSample, Reply, ReplyBody, RequestBody, StreamedSample, Values,
 };
@@ -85,7 +85,7 @@ fn config(reply: &Reply<'_>, change: impl Fn(u16, i32) -> i32) -> Says {
     instead(reply, ReplyBody::Config { first_id, values })
 }
 
-fn refused(reply: &Reply<'_>, refused: Refused<'_>) -> Says {
+fn refused(reply: &Reply<'_>, refused: RequestRefusal<'_>) -> Says {
     instead(reply, ReplyBody::Refused(refused))
 }
 

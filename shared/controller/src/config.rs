@@ -14,7 +14,7 @@ use crate::drive::{DacCode, DacConfig, DriveConfig, MAX_COUNTS, Translator};
 use crate::estimator::EstimatorConfig;
 use crate::homing::HomingConfig;
 use crate::law::{self, LawConfig, Loop, Settings};
-use crate::limits::{Limits, NULL_DRIFT, NULL_SAMPLES, NoMotion};
+use crate::limits::{Limits, NULL_DRIFT, NULL_SAMPLES, StallDetector};
 use crate::parameters::{Parameters, id};
 use crate::sequencer::{FeedForward, MotionConfig};
 
@@ -118,7 +118,7 @@ impl Default for Config {
                 sensor_low: 63,
                 sensor_high: 4032,
                 sensor_samples: 4,
-                no_motion: NoMotion { idle: 102, full: 1024, most: 384 * (1024 - 102) - 1 },
+                stall_detector: StallDetector { idle: 102, full: 1024, most: 384 * (1024 - 102) - 1 },
                 null_motion: 345,
                 null_drift: 1380,
                 no_motion_counts: 40,
@@ -274,7 +274,11 @@ fn limits(parameters: &Parameters, period_us: NonZeroU32, largest: i16) -> Limit
         sensor_samples: get(id::SENSOR_SAMPLES).unsigned_abs(),
         null_motion,
         null_drift: null_motion.saturating_mul(NULL_DRIFT),
-        no_motion: NoMotion::of(no_motion_samples, largest, get(id::DEAD_ZONE_COUNTS).unsigned_abs()),
+        stall_detector: StallDetector::of(
+            no_motion_samples,
+            largest,
+            get(id::DEAD_ZONE_COUNTS).unsigned_abs(),
+        ),
         no_motion_counts: get(id::NO_MOTION_COUNTS).unsigned_abs(),
         end_min: get(id::END_MIN_COUNTS),
         end_max: get(id::END_MAX_COUNTS),
@@ -373,7 +377,7 @@ mod tests {
 
     #[test]
     fn a_time_without_motion_below_a_period_is_one_sample_and_none_is_off() {
-        let most = |ms| with(&[(id::NO_MOTION_MS, ms)]).map(|config| config.limits.no_motion.most);
+        let most = |ms| with(&[(id::NO_MOTION_MS, ms)]).map(|config| config.limits.stall_detector.most);
         assert_eq!([0, 1, 13].map(most), [u32::MAX, 921, 9219].map(Ok), "periods of 1.3 ms");
     }
 }

@@ -8,7 +8,7 @@
 //! | the valve is open, but the axis stands | [`Fault::NoMotion`] |
 //! | the valve is at null, but the axis moves | [`Fault::MotionAtNull`] |
 //!
-//! The stall detector ([`NoMotion`]) watches a closed loop that runs or holds, and a homing run that leaves its stop
+//! The stall detector ([`StallDetector`]) watches a closed loop that runs or holds, and a homing run that leaves its stop
 //! or looks for its switch. It notices swapped tubes (the cylinder runs into its end and stays there), a lost encoder
 //! and a stuck spool. It sums the opening of the valve while the encoder stands:
 //!
@@ -47,7 +47,7 @@ pub struct Limits {
     /// A pressure must stay there for this many samples.
     pub sensor_samples: u32,
     /// The stall detector.
-    pub no_motion: NoMotion,
+    pub stall_detector: StallDetector,
     /// Limit of the motion with the valve at null in [`NULL_SAMPLES`], counts: at a hundredth of the highest speed.
     pub null_motion: u32,
     /// Limit of the creep with the valve at null, from where the axis came to rest, counts.
@@ -71,7 +71,7 @@ const COASTING_SAMPLES: i32 = 768;
 
 /// The stall detector: the further the valve is open, the sooner a standing axis trips.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct NoMotion {
+pub struct StallDetector {
     /// Up to this distance from null the valve may be shut, counts or steps.
     pub idle: u32,
     /// Commands further from null than this count as this, counts or steps.
@@ -80,15 +80,15 @@ pub struct NoMotion {
     pub most: u32,
 }
 
-impl NoMotion {
+impl StallDetector {
     /// The detector that trips after `samples` when the valve is open by half or more. `largest`: largest command.
     #[must_use]
-    pub fn of(samples: u32, largest: i16, dead_zone: u32) -> NoMotion {
+    pub fn of(samples: u32, largest: i16, dead_zone: u32) -> StallDetector {
         let largest = u32::from(largest.unsigned_abs());
         let idle = dead_zone.min(largest / 10);
         let full = (largest / 2).max(idle + 1);
         let effort = samples.saturating_mul(full - idle);
-        NoMotion { idle, full, most: effort.checked_sub(1).unwrap_or(u32::MAX) }
+        StallDetector { idle, full, most: effort.checked_sub(1).unwrap_or(u32::MAX) }
     }
 
     /// The effort of one sample with this command; None if the valve may be shut.
@@ -206,12 +206,12 @@ impl Watch {
 
     /// Whether the axis has stood although the valve was open for long enough to move it.
     fn stands(&mut self, limits: &Limits, seen: &Evidence) -> bool {
-        let Some(effort) = limits.no_motion.effort(seen.from_null) else {
+        let Some(effort) = limits.stall_detector.effort(seen.from_null) else {
             self.standstill.restart(seen.motion.position);
             return false;
         };
         let sum = self.standstill.pushed(seen.motion.position, limits.no_motion_counts, effort);
-        sum > limits.no_motion.most
+        sum > limits.stall_detector.most
     }
 }
 
@@ -246,15 +246,22 @@ mod tests {
 
     #[test]
     fn the_idle_part_of_a_valve_is_its_dead_zone_but_a_tenth_of_its_range_at_most() {
-        assert_eq!(NoMotion::of(384, 2048, 102), NoMotion { idle: 102, full: 1024, most: 384 * 922 - 1 });
-        assert_eq!(NoMotion::of(384, 12, 102), NoMotion { idle: 1, full: 6, most: 384 * 5 - 1 });
-        assert_eq!(NoMotion::of(10, 1, 102), NoMotion { idle: 0, full: 1, most: 9 }, "a stage of one step");
+        assert_eq!(
+            StallDetector::of(384, 2048, 102),
+            StallDetector { idle: 102, full: 1024, most: 384 * 922 - 1 }
+        );
+        assert_eq!(StallDetector::of(384, 12, 102), StallDetector { idle: 1, full: 6, most: 384 * 5 - 1 });
+        assert_eq!(
+            StallDetector::of(10, 1, 102),
+            StallDetector { idle: 0, full: 1, most: 9 },
+            "a stage of one step"
+        );
     }
 
     #[test]
     fn a_command_at_the_edge_of_the_idle_part_may_leave_the_valve_shut() {
-        let no_motion = NoMotion::of(384, 2048, 102);
-        let efforts = [102, 103, 1024, 1025].map(|from_null| no_motion.effort(from_null));
+        let stall_detector = StallDetector::of(384, 2048, 102);
+        let efforts = [102, 103, 1024, 1025].map(|from_null| stall_detector.effort(from_null));
         assert_eq!(efforts, [None, Some(1), Some(922), Some(922)]);
     }
 

@@ -165,8 +165,8 @@ impl State {
     /// A sample of the homing run.
     fn seek(&mut self, config: &Config, position: i32, home_switch: bool) -> i32 {
         let from_null = i32::from(self.observation.command).abs_diff(i32::from(config.law.null_offset));
-        let effort = config.limits.no_motion.effort(from_null).unwrap_or(0);
-        if self.homing.pushed_for(&config.homing, position, effort) > config.limits.no_motion.most {
+        let effort = config.limits.stall_detector.effort(from_null).unwrap_or(0);
+        if self.homing.pushed_for(&config.homing, position, effort) > config.limits.stall_detector.most {
             self.supervisor.trip(Fault::NoMotion);
             return 0;
         }

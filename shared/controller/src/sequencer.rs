@@ -77,7 +77,7 @@ pub enum Arrival {
 
 /// The next sample of a profile.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-struct Ahead {
+struct NextSample {
     setpoint: i32,
     feed_forward: i64,
     point: Point,
@@ -106,7 +106,7 @@ pub struct Sequencer {
     follows: bool,
     /// Whether `ahead` belongs to the next sample.
     prepared: bool,
-    ahead: Ahead,
+    ahead: NextSample,
     progress: Progress,
     arrival: Arrival,
     /// Moves that ended without arriving.
@@ -179,7 +179,7 @@ impl Sequencer {
         let waypoint = self.progress.advance(profile, *target);
         let feed_forward = config.feed_forward.sum(&waypoint);
         let Waypoint { setpoint, point, last, .. } = waypoint;
-        self.ahead = Ahead { setpoint, feed_forward, point, last };
+        self.ahead = NextSample { setpoint, feed_forward, point, last };
         self.prepared = true;
     }
 

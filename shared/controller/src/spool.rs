@@ -10,7 +10,7 @@ use crate::supervisor::Refusal;
 
 /// Whether the location is reliable.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-enum Trust {
+enum Reliability {
     /// Every pulse since mid-travel has been counted.
     #[default]
     Sure,
@@ -25,18 +25,18 @@ enum Trust {
 pub(crate) struct Spool {
     /// The sum of the pulses; mid-travel while in doubt, so that no pulse is given.
     counted: SpoolLocation,
-    trust: Trust,
+    reliability: Reliability,
 }
 
 impl Spool {
     /// After a reset, with the location that was kept through it, if any.
     pub fn after_reset(kept: Option<SpoolLocation>) -> Spool {
-        let trust = match kept {
-            None => Trust::Lost,
-            Some(location) if location == SpoolLocation::default() => Trust::Sure,
-            Some(location) => Trust::Kept(location),
+        let reliability = match kept {
+            None => Reliability::Lost,
+            Some(location) if location == SpoolLocation::default() => Reliability::Sure,
+            Some(location) => Reliability::Kept(location),
         };
-        Spool { counted: SpoolLocation::default(), trust }
+        Spool { counted: SpoolLocation::default(), reliability }
     }
 
     /// The sum of the pulses since mid-travel.
@@ -46,12 +46,12 @@ impl Spool {
 
     /// The location, if it is reliable.
     pub fn sure(self) -> Option<SpoolLocation> {
-        (self.trust == Trust::Sure).then_some(self.counted)
+        (self.reliability == Reliability::Sure).then_some(self.counted)
     }
 
     /// Whether it is known to be away from mid-travel.
     pub fn is_open(self) -> bool {
-        self.walks() || matches!(self.trust, Trust::Kept(_))
+        self.walks() || matches!(self.reliability, Reliability::Kept(_))
     }
 
     /// Whether a disabled drive walks it back.
@@ -66,10 +66,10 @@ impl Spool {
 
     /// Whether a drive with this spool may be armed.
     pub fn check(self) -> Result<(), Refusal> {
-        match self.trust {
-            Trust::Sure => Ok(()),
-            Trust::Kept(_) => Err(Refusal::SpoolInDoubt),
-            Trust::Lost => Err(Refusal::SpoolLost),
+        match self.reliability {
+            Reliability::Sure => Ok(()),
+            Reliability::Kept(_) => Err(Refusal::SpoolInDoubt),
+            Reliability::Lost => Err(Refusal::SpoolLost),
         }
     }
 
@@ -78,13 +78,13 @@ impl Spool {
     /// # Errors
     /// When that is not known.
     pub fn seek(&mut self) -> Result<(), Refusal> {
-        match self.trust {
-            Trust::Sure => Ok(()),
-            Trust::Kept(location) => {
-                *self = Spool { counted: location, trust: Trust::Sure };
+        match self.reliability {
+            Reliability::Sure => Ok(()),
+            Reliability::Kept(location) => {
+                *self = Spool { counted: location, reliability: Reliability::Sure };
                 Ok(())
             }
-            Trust::Lost => Err(Refusal::SpoolLost),
+            Reliability::Lost => Err(Refusal::SpoolLost),
         }
     }
 

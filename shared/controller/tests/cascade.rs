@@ -1,7 +1,7 @@
 //! The law "cascade" with any model of a drive, on any samples: it neither overflows nor leaves its bounds. That it positions a drive is
 //! shown on the twin, `sim/tests/cascade.rs`.
 
-use crate::bench::{Bench, WIDE};
+use crate::bench::{ControllerBench, WIDE};
 use pneudrive_controller::law::cascade::Cascade;
 use pneudrive_controller::law::{Law, Running};
 use pneudrive_controller::parameters::{TABLE, id};
@@ -77,7 +77,7 @@ fn no_model_and_no_samples_make_it_overflow_or_leave_its_bounds() {
         ]);
         changes.push((id::ENCODER_PM_PER_COUNT, draws.within(1, i32::MAX)));
         let moves: Vec<(u32, i32)> = (0..6).map(|k| (k * 50, draws.within(-i32::MAX, i32::MAX))).collect();
-        let mut bench = Bench::running(&changes, &moves);
+        let mut bench = ControllerBench::running(&changes, &moves);
         let mut sample = Sample { pressure_1: 2000, pressure_2: 2000, ..Sample::default() };
         for _ in 0..300 {
             bench.take(sample);
@@ -98,7 +98,7 @@ fn a_law_without_a_model_is_refused() {
 #[test]
 fn a_load_at_rest_is_held_with_a_shut_valve() {
     let changes = [WIDE.as_slice(), &[(id::LAW, Law::Cascade as i32), (id::CASCADE_STROKE, 25_000)]].concat();
-    let mut bench = Bench::armed(&changes, &[]);
+    let mut bench = ControllerBench::armed(&changes, &[]);
     bench.sequence = Sequence::new(500);
     bench.sequence.push(Move::step(0, 1000)).expect("room");
     bench.state.start(&bench.config, &bench.sequence).expect("armed");

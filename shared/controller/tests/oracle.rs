@@ -1,7 +1,7 @@
 //! The integer law against an independent model of it in f64, over a grid with the edges of every
 //! range. All values stay below 2^53, so the oracle is exact and so is the comparison.
 
-use crate::bench::{Bench, WIDE, changed};
+use crate::bench::{ControllerBench, WIDE, changed};
 use pneudrive_controller::parameters::id;
 use pneudrive_controller::{Parameters, Sample};
 
@@ -44,7 +44,7 @@ fn sign(value: f64) -> f64 {
 fn agree(changes: &[(u16, i32)], setpoint: i32, positions: &[i32]) {
     let changes = [WIDE.as_slice(), changes].concat();
     let parameters = changed(&changes);
-    let mut bench = Bench::running(&changes, &[(0, setpoint)]);
+    let mut bench = ControllerBench::running(&changes, &[(0, setpoint)]);
     let mut history = Vec::new();
     for &position in positions {
         history.push(f64::from(position));
@@ -136,7 +136,7 @@ fn every_law_with_a_gain_damps_by_the_quasi_transient_pressure() {
         ];
         let changes = [WIDE.as_slice(), &changes].concat();
         let (parameters, mut transient) = (changed(&changes), QuasiTransient::default());
-        let (mut controller, mut history) = (Bench::running(&changes, &[(0, 0)]), Vec::new());
+        let (mut controller, mut history) = (ControllerBench::running(&changes, &[(0, 0)]), Vec::new());
         for k in 0..400 {
             let position = ((f64::from(k) / 20.0).sin() * 30.0).trunc();
             history.push(position);
@@ -163,7 +163,7 @@ fn the_on_off_law_is_a_relay_on_position_velocity_and_quasi_transient_pressure()
             (id::SCALE, scale),
         ];
         let changes = [WIDE.as_slice(), &changes].concat();
-        let (mut controller, mut history) = (Bench::running(&changes, &[(0, 0)]), vec![0.0; 5]); // at 0 before k = 0
+        let (mut controller, mut history) = (ControllerBench::running(&changes, &[(0, 0)]), vec![0.0; 5]); // at 0 before k = 0
         let (mut side, mut transient) = (0.0, QuasiTransient::default());
         for k in 0..400 {
             let position = (f64::from(k) / 20.0).sin() * 30.0;

@@ -5,16 +5,16 @@ use pneudrive_controller::law::{Law, Running};
 use pneudrive_controller::parameters::id;
 use pneudrive_controller::{Parameters, Sample};
 
-use crate::bench::{Bench, WIDE, changed};
+use crate::bench::{ControllerBench, WIDE, changed};
 
 /// The equations of the law in real numbers.
-struct Model<'a> {
+struct PidModel<'a> {
     parameters: &'a Parameters,
     positions: Vec<f64>,
     integral: f64,
 }
 
-impl Model<'_> {
+impl PidModel<'_> {
     fn get(&self, id: u16) -> f64 {
         f64::from(self.parameters.get(id).expect("known id"))
     }
@@ -59,7 +59,7 @@ impl Model<'_> {
 
 const PID: (u16, i32) = (id::LAW, Law::Pid as i32);
 
-fn integral(bench: &Bench) -> i64 {
+fn integral(bench: &ControllerBench) -> i64 {
     let Running::Pid(pid) = bench.state.law() else { panic!("the law that was chosen") };
     pid.integral()
 }
@@ -68,8 +68,8 @@ fn integral(bench: &Bench) -> i64 {
 fn agree(changes: &[(u16, i32)], setpoint: i32, positions: impl Iterator<Item = i32>) {
     let changes = [WIDE.as_slice(), &[PID], changes].concat();
     let parameters = changed(&changes);
-    let mut model = Model { parameters: &parameters, positions: Vec::new(), integral: 0.0 };
-    let mut bench = Bench::running(&changes, &[(0, setpoint)]);
+    let mut model = PidModel { parameters: &parameters, positions: Vec::new(), integral: 0.0 };
+    let mut bench = ControllerBench::running(&changes, &[(0, setpoint)]);
     for (k, position) in positions.enumerate() {
         let expected = model.demand(f64::from(setpoint), f64::from(position));
         let counts = bench.take(Sample { position, ..Sample::default() });
@@ -117,7 +117,7 @@ fn an_axis_that_needs_a_standing_command_comes_to_its_setpoint() {
     let left = |integral_gain| {
         let gains = [(id::PROPORTIONAL_GAIN, 500), (id::VELOCITY_GAIN, 0), (id::ACCELERATION_GAIN, 0)];
         let changes = [WIDE.as_slice(), &[PID, (id::INTEGRAL_GAIN, integral_gain)], &gains].concat();
-        let mut bench = Bench::running(&changes, &[(0, 1000)]);
+        let mut bench = ControllerBench::running(&changes, &[(0, 1000)]);
         let mut position = 0.0_f64;
         for _ in 0..4000 {
             let counts = bench.take(Sample { position: position as i32, ..Sample::default() });
@@ -137,7 +137,7 @@ fn an_integrator_does_not_wind_up_while_the_command_is_at_its_limit() {
         &[PID, (id::PROPORTIONAL_GAIN, 1000), (id::INTEGRAL_GAIN, 665), (id::VELOCITY_GAIN, 0)],
     ]
     .concat();
-    let mut bench = Bench::running(&changes, &[(0, 20_000)]);
+    let mut bench = ControllerBench::running(&changes, &[(0, 20_000)]);
     for k in 0..500 {
         let counts = bench.take(Sample { position: 10 * k, ..Sample::default() });
         assert_eq!((counts, integral(&bench)), (2048, 0), "sample {k}");

@@ -1,6 +1,6 @@
 //! Modes and requests: what is refused, what is held, what a trip does.
 
-use crate::bench::{Bench, at, one_move, running, wide_open};
+use crate::bench::{ControllerBench, at, one_move, running, wide_open};
 use pneudrive_controller::parameters::id;
 use pneudrive_controller::{
     Command, Config, Fault, Mode, Parameters, Refusal, Sample, Sequence, State, output, sample,
@@ -156,7 +156,7 @@ fn a_drive_that_is_re_armed_between_a_sample_and_its_output_is_at_null() {
 #[test]
 fn an_armed_drive_that_moves_trips_and_so_does_one_that_creeps_far_from_where_it_stood() {
     let after = |counts_a_sample: i32| {
-        let mut bench = Bench::armed(&[], &[(0, 0)]);
+        let mut bench = ControllerBench::armed(&[], &[(0, 0)]);
         let samples = (0..2000).find(|k| {
             bench.take(at(12_000 + counts_a_sample * k));
             bench.mode() == Mode::Fault(Fault::MotionAtNull)
@@ -173,13 +173,13 @@ fn an_armed_drive_that_moves_trips_and_so_does_one_that_creeps_far_from_where_it
 /// The board judges a host's silence by it.
 #[test]
 fn the_cylinder_is_on_its_way_in_a_run_and_in_a_homing_run_alone() {
-    let mut bench = Bench::armed(&[], &[(0, 500)]);
+    let mut bench = ControllerBench::armed(&[], &[(0, 500)]);
     assert!(!bench.state.supervisor.moves(), "armed");
     bench.state.home(&bench.config).expect("armed");
     assert!(bench.state.supervisor.moves(), "homing");
     bench.state.supervisor.trip(Fault::Stop);
     assert!(!bench.state.supervisor.moves(), "tripped");
-    let mut bench = Bench::running_for(3, &[], &[(0, 500)]);
+    let mut bench = ControllerBench::running_for(3, &[], &[(0, 500)]);
     assert!(bench.state.supervisor.moves(), "running");
     bench.hold(at(500), 5);
     assert_eq!((bench.mode(), bench.state.supervisor.moves()), (Mode::Done, false));

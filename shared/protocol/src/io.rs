@@ -32,7 +32,7 @@ pub mod output {
 }
 
 /// Codes of why the last start of the inputs was not carried out, beside those of the controller (below 128) and of
-/// [`Refused::NotNow`](crate::Refused::NotNow); 0: it was.
+/// [`RequestRefusal::NotNow`](crate::RequestRefusal::NotNow); 0: it was.
 pub mod refused {
     /// There is no record of this number.
     pub const NO_RECORD: u8 = 160;

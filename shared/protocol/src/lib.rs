@@ -38,7 +38,7 @@
 //!   the shorter body of an older peer: a new variant is the better choice unless the appended fields are
 //!   only ever sent to whom they are known.
 //! - A request that firmware does not know still tells its sequence number ([`MessageError`]), so
-//!   that it can be answered with [`Refused::Unknown`]. A host learns so what an older firmware lacks.
+//!   that it can be answered with [`RequestRefusal::Unknown`]. A host learns so what an older firmware lacks.
 //! - [`VERSION`] stays as it is as long as these rules are kept. Peers of different versions do not talk to each other: the PC
 //!   refuses the rig and says which of the two to update. The request `Info` and its reply therefore stay as they are for ever.
 //! - `tests/wire_v1.rs` holds the bytes of every message, and says how to append one.
@@ -66,8 +66,8 @@ pub mod values;
 pub use event::Event;
 pub use frame::{Accumulator, FrameError};
 pub use message::{
-    ConfigState, HISTOGRAM_BINS, Message, MessageError, Mode, Motion, RecordInfo, Refused, Reply, ReplyBody,
-    Request, RequestBody, Spread, Status, UNTIL_STOPPED, code, decode_reply, decode_request, encode,
+    ConfigState, HISTOGRAM_BINS, Message, MessageError, Mode, Motion, RecordInfo, Reply, ReplyBody, Request,
+    RequestBody, RequestRefusal, Spread, Status, UNTIL_STOPPED, code, decode_reply, decode_request, encode,
     encode_reply,
 };
 pub use owner::{Owner, Presence};

@@ -1,15 +1,15 @@
 //! Requests of the PC and replies of the firmware. Enums gain variants at the end, nowhere else.
 
-mod refused;
 mod reply;
 mod request;
+mod request_refusal;
 mod state;
 
 use serde::Serialize;
 
-pub use refused::{Refused, code};
 pub use reply::{Reply, ReplyBody};
 pub use request::{Request, RequestBody, UNTIL_STOPPED};
+pub use request_refusal::{RequestRefusal, code};
 pub use state::{ConfigState, HISTOGRAM_BINS, Mode, Motion, RecordInfo, Spread, Status};
 
 use crate::session::is_of_host;
@@ -24,7 +24,7 @@ impl Message for Reply<'_> {}
 /// The message is not one that is known here, though it came whole: of a later firmware or program, most likely.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MessageError {
-    /// The number it came under, to be answered with [`Refused::Unknown`]; None: it is not even of the other side.
+    /// The number it came under, to be answered with [`RequestRefusal::Unknown`]; None: it is not even of the other side.
     pub sequence: Option<u16>,
 }
 
@@ -127,7 +127,7 @@ mod tests {
             ReplyBody::Chunk { first: u32::MAX, samples: &samples },
             ReplyBody::Config { first_id: u16::MAX, values },
             ReplyBody::Rows { first: u32::MAX, rows: &[0xff; MAX_ROWS * StreamedSample::BYTES] },
-            ReplyBody::Refused(Refused::Inconsistent { advice: text }),
+            ReplyBody::Refused(RequestRefusal::Inconsistent { advice: text }),
         ];
         for body in bodies {
             let reply = Reply { sequence: u16::MAX, body };

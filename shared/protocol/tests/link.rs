@@ -6,7 +6,7 @@ use std::ops::Range;
 use pneudrive_protocol::session::{FIRST, INPUTS};
 use pneudrive_protocol::{
     Accumulator, CHUNK_SAMPLES, FrameError, MAX_FRAME, MAX_MESSAGE, MAX_TEXT, MAX_VALUES, Mode, RecordInfo,
-    RecordedSample, Refused, Reply, ReplyBody, Request, RequestBody, Status, Values, decode_reply,
+    RecordedSample, Reply, ReplyBody, Request, RequestBody, RequestRefusal, Status, Values, decode_reply,
     decode_request, encode, frame,
 };
 use proptest::collection::vec;
@@ -323,19 +323,19 @@ impl Parts {
         Reply { sequence: self.sequence, body }
     }
 
-    fn refused(&self, variant: usize) -> Refused<'_> {
+    fn refused(&self, variant: usize) -> RequestRefusal<'_> {
         let ([samples, ..], [value, ..], [id, _]) = (self.long, self.signed, self.short);
         match variant {
-            0 => Refused::NotNow(self.byte),
-            1 => Refused::UnknownParameter { id },
-            2 => Refused::OutOfRange { id, value },
-            3 => Refused::Inconsistent { advice: &self.texts[0] },
-            4 => Refused::TestTooLong,
-            5 => Refused::MovesOutOfOrder,
-            6 => Refused::TooManyMoves,
-            7 => Refused::NoRecord,
-            8 => Refused::RecordRange { samples },
-            _ => Refused::Unknown,
+            0 => RequestRefusal::NotNow(self.byte),
+            1 => RequestRefusal::UnknownParameter { id },
+            2 => RequestRefusal::OutOfRange { id, value },
+            3 => RequestRefusal::Inconsistent { advice: &self.texts[0] },
+            4 => RequestRefusal::TestTooLong,
+            5 => RequestRefusal::MovesOutOfOrder,
+            6 => RequestRefusal::TooManyMoves,
+            7 => RequestRefusal::NoRecord,
+            8 => RequestRefusal::RecordRange { samples },
+            _ => RequestRefusal::Unknown,
         }
     }
 

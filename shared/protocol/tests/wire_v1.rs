@@ -11,7 +11,7 @@ use pneudrive_protocol::profiled::NO_MOVE;
 use pneudrive_protocol::session::{FIRST, INPUTS, NO_BOOT, NOBODY};
 use pneudrive_protocol::{
     Accumulator, ConfigState, Event, MAX_FRAME, MAX_MESSAGE, Message, Mode, Motion, Owner, Presence,
-    ProfiledMove, RecordInfo, RecordedSample, Refused, Reply, ReplyBody, Request, RequestBody, Spread,
+    ProfiledMove, RecordInfo, RecordedSample, Reply, ReplyBody, Request, RequestBody, RequestRefusal, Spread,
     Status, StreamedSample, UNTIL_STOPPED, VERSION, Values, code, decode_reply, decode_request, encode,
 };
 
@@ -103,7 +103,7 @@ fn assert_reply(body: ReplyBody<'_>, bytes: &[u8]) {
     assert_eq!(decode_reply(&message), Ok(reply));
 }
 
-fn assert_refused(refused: Refused<'_>, bytes: &[u8]) {
+fn assert_refused(refused: RequestRefusal<'_>, bytes: &[u8]) {
     assert_reply(ReplyBody::Refused(refused), &[&[0x06], bytes].concat());
 }
 
@@ -216,7 +216,7 @@ fn replies() {
         &[0x04, 0x04, 0x73, 0x74, 0x65, 0x70, 0xca, 0x0d, 0x8f, 0x03, 0x01, 0xc8, 0x01, 0x01, 0xad, 0xac, 0x4f, 0x86, 0x20, 0xa6, 0xf2, 0xd0, 0xdf, 0x0c]);
     assert_reply(ReplyBody::Chunk { first: 4096, samples: &SAMPLE.to_bytes() },
         &[0x05, 0x80, 0x20, 0x0e, 0xef, 0xff, 0xff, 0xff, 0x66, 0x06, 0x6c, 0x09, 0x00, 0xf8, 0xff, 0xff, 0xff, 0x07]);
-    assert_reply(ReplyBody::Refused(Refused::NotNow(3)),
+    assert_reply(ReplyBody::Refused(RequestRefusal::NotNow(3)),
         &[0x06, 0x00, 0x03]);
     assert_reply(ReplyBody::Motion(MOTION),
         &[0x07, 0x02, 0x03, 0xf0, 0xa2, 0x04, 0x09]);
@@ -243,37 +243,37 @@ fn replies() {
 #[test]
 #[rustfmt::skip]
 fn refusals() {
-    assert_refused(Refused::NotNow(3),
+    assert_refused(RequestRefusal::NotNow(3),
         &[0x00, 0x03]);
-    assert_refused(Refused::UnknownParameter { id: 600 },
+    assert_refused(RequestRefusal::UnknownParameter { id: 600 },
         &[0x01, 0xd8, 0x04]);
-    assert_refused(Refused::OutOfRange { id: 2, value: 100_000 },
+    assert_refused(RequestRefusal::OutOfRange { id: 2, value: 100_000 },
         &[0x02, 0x02, 0xc0, 0x9a, 0x0c]);
-    assert_refused(Refused::Inconsistent { advice: "swap" },
+    assert_refused(RequestRefusal::Inconsistent { advice: "swap" },
         &[0x03, 0x04, 0x73, 0x77, 0x61, 0x70]);
-    assert_refused(Refused::TestTooLong,
+    assert_refused(RequestRefusal::TestTooLong,
         &[0x04]);
-    assert_refused(Refused::MovesOutOfOrder,
+    assert_refused(RequestRefusal::MovesOutOfOrder,
         &[0x05]);
-    assert_refused(Refused::TooManyMoves,
+    assert_refused(RequestRefusal::TooManyMoves,
         &[0x06]);
-    assert_refused(Refused::NoRecord,
+    assert_refused(RequestRefusal::NoRecord,
         &[0x07]);
-    assert_refused(Refused::RecordRange { samples: 1738 },
+    assert_refused(RequestRefusal::RecordRange { samples: 1738 },
         &[0x08, 0xca, 0x0d]);
-    assert_refused(Refused::Unknown,
+    assert_refused(RequestRefusal::Unknown,
         &[0x09]);
-    assert_refused(Refused::NotStored,
+    assert_refused(RequestRefusal::NotStored,
         &[0x0a]);
-    assert_refused(Refused::OtherRecord,
+    assert_refused(RequestRefusal::OtherRecord,
         &[0x0b]);
-    assert_refused(Refused::Owned(OWNER),
+    assert_refused(RequestRefusal::Owned(OWNER),
         &[0x0c, 0x02, 0xef, 0xfd, 0xb6, 0xf7, 0x0f, 0xbc, 0x05, 0x02, 0x70, 0x63]);
-    assert_refused(Refused::ChangeNotWhole,
+    assert_refused(RequestRefusal::ChangeNotWhole,
         &[0x0d]);
-    assert_refused(Refused::OtherTest,
+    assert_refused(RequestRefusal::OtherTest,
         &[0x0e]);
-    assert_refused(Refused::OtherBoot { number: 4 },
+    assert_refused(RequestRefusal::OtherBoot { number: 4 },
         &[0x0f, 0x04]);
 }
 

@@ -3,9 +3,9 @@
 //! Ports are on the valve's side, chambers on the cylinder's. Swapped tubes join each port to the other chamber.
 
 use super::{Assembly, StateVector, slot};
-use crate::component::air::{Air, Station};
+use crate::component::air::{ChamberAir, GasState};
 use crate::component::faults::through_hole;
-use crate::network::{Nodes, PortFlow, Surroundings};
+use crate::network::{BoundaryConditions, Nodes, PortFlow};
 use crate::number::{Number, Pair};
 
 impl Assembly {
@@ -22,15 +22,15 @@ impl Assembly {
     }
 
     /// The air in both chambers.
-    pub(super) fn air(&self, x: &StateVector) -> Air<Pair> {
+    pub(super) fn air(&self, x: &StateVector) -> ChamberAir<Pair> {
         self.air_in(self.parts.actuator.both_volumes(x[slot::POSITION], x[slot::VELOCITY]).volume, x)
     }
 
     /// The same in volumes of m^3.
     #[inline(always)]
-    pub(super) fn air_in(&self, volumes: Pair, x: &StateVector) -> Air<Pair> {
+    pub(super) fn air_in(&self, volumes: Pair, x: &StateVector) -> ChamberAir<Pair> {
         let both = |slots: [usize; 2]| Pair::new(slots.map(|i| x[i]));
-        Air::of_state(&self.parts.gas, both(slot::MASS), both(slot::EXNER), volumes)
+        ChamberAir::of_state(&self.parts.gas, both(slot::MASS), both(slot::EXNER), volumes)
     }
 
     /// The flows at a state; solved once for each.
@@ -39,7 +39,7 @@ impl Assembly {
     }
 
     /// The same for the air of a state.
-    pub(super) fn nodes_of(&mut self, t: f64, x: &StateVector, air: &Air<Pair>) -> Nodes {
+    pub(super) fn nodes_of(&mut self, t: f64, x: &StateVector, air: &ChamberAir<Pair>) -> Nodes {
         match &self.solved {
             Some((at, solved, nodes)) if *at == t && solved == x => *nodes,
             _ => self.solve(t, x, air),
@@ -58,7 +58,7 @@ impl Assembly {
     }
 
     #[inline(always)]
-    fn solve(&mut self, t: f64, x: &StateVector, air: &Air<Pair>) -> Nodes {
+    fn solve(&mut self, t: f64, x: &StateVector, air: &ChamberAir<Pair>) -> Nodes {
         let openings = self.parts.valve.openings(self.spool_to_lands(t, x));
         let conductances = self.restrictions.at(openings, self.lands.open);
         if self.parts.valve.laws_follow_spool() {
@@ -69,8 +69,8 @@ impl Assembly {
             let width = self.parts.valve.widest_supply_land(openings);
             self.parts.network.let_supply_follow(lag.supply, lag.supply_tube, lag.at_once(width));
         }
-        let around = Surroundings::new(conductances, stations, &self.ports.directions);
-        let nodes = self.parts.network.solve_at(t, &around);
+        let boundary = BoundaryConditions::new(conductances, stations, &self.ports.directions);
+        let nodes = self.parts.network.solve_at(t, &boundary);
         self.solved = Some((t, *x, nodes));
         nodes
     }
@@ -87,14 +87,14 @@ impl Assembly {
     /// The known ends of the network, one per port: the chambers, or the pressures behind lagged tubes; the supply
     /// likewise.
     #[inline(always)]
-    pub(super) fn ends_at_valve(&mut self, x: &StateVector, air: &Air<Pair>) -> Station<Pair> {
+    pub(super) fn ends_at_valve(&mut self, x: &StateVector, air: &ChamberAir<Pair>) -> GasState<Pair> {
         let mut stations = air.station();
         if let Some(lag) = &self.parts.lag {
             let [supply, one, two] = slot::RATIO.map(|i| x[i]);
             self.parts.network.set_supply(lag.supply.exner * self.parts.gas.exner_ratio(supply));
             stations.exner *= self.parts.gas.exner_ratio(Pair::new([one, two]));
         }
-        Station { exner: self.joined(stations.exner), temperature: self.joined(stations.temperature) }
+        GasState { exner: self.joined(stations.exner), temperature: self.joined(stations.temperature) }
     }
 
     /// Values of the ports in the order of their chambers, and the other way round.
@@ -126,7 +126,7 @@ impl Assembly {
     }
 
     /// The same where the masses of the air have these slopes, kg/s.
-    pub fn port_flows_of(&self, masses: Pair, air: &Air<Pair>) -> Pair {
+    pub fn port_flows_of(&self, masses: Pair, air: &ChamberAir<Pair>) -> Pair {
         let (leaks, _) = self.parts.actuator.leak(&self.parts.gas, air).entering();
         let (holes, _) = self.through_holes(air);
         masses - leaks - holes
@@ -135,14 +135,14 @@ impl Assembly {
     /// The temperatures of the air in the tubes into or out of the chambers. While charging it is the temperature of
     /// the air from the valve (the tube is adiabatic, EQUATIONS section 3), else the chamber's.
     #[inline(always)]
-    pub(super) fn carried(&self, nodes: &Nodes, air: &Air<Pair>) -> Pair {
+    pub(super) fn carried(&self, nodes: &Nodes, air: &ChamberAir<Pair>) -> Pair {
         let charging = PortFlow::charging(&self.ports.directions);
         self.joined(Pair::choose(charging, nodes.carried, self.joined(air.temperature)))
     }
 
     /// The flows into the chambers through holes, and the temperatures that they carry.
     #[inline(always)]
-    pub(super) fn through_holes(&self, air: &Air<Pair>) -> (Pair, Pair) {
+    pub(super) fn through_holes(&self, air: &ChamberAir<Pair>) -> (Pair, Pair) {
         let areas = self.parts.faults.now.leak_areas;
         if areas == [0.0; 2] {
             return (Pair::ZERO, air.temperature);

@@ -2,7 +2,7 @@
 
 use super::{Lag, Parts, STATES, StateVector, slot};
 use crate::component::actuator::Actuator;
-use crate::component::air::Air;
+use crate::component::air::ChamberAir;
 use crate::component::faults::Schedule;
 use crate::component::gas::Gas;
 use crate::component::load::Load;
@@ -50,7 +50,7 @@ fn initial_state(rig: &Rig, gas: &Gas, actuator: &Actuator) -> StateVector {
         x[ratio] = 1.0;
     }
     for i in 0..2 {
-        let [mass, exner] = Air::state_of(gas, pressures[i], temperatures[i], volumes[i].volume);
+        let [mass, exner] = ChamberAir::state_of(gas, pressures[i], temperatures[i], volumes[i].volume);
         x[slot::MASS[i]] = mass;
         x[slot::EXNER[i]] = exner;
         if rig.get(&keys::sensors::PRESSURE_LAG_S) > 0.0 {

@@ -20,7 +20,7 @@
 //! them. As the lag goes to zero, P_sv goes to the value for a tube without lag.
 
 use super::{StateVector, slot};
-use crate::component::air::Station;
+use crate::component::air::GasState;
 use crate::component::gas::Gas;
 use crate::component::supply;
 use crate::component::tubing::{Tube, speed_recovery, tubes};
@@ -34,7 +34,7 @@ use crate::values::Rig;
 pub(crate) struct Lag {
     /// s.
     pub time: f64,
-    pub supply: Station,
+    pub supply: GasState,
     pub supply_tube: Tube,
     pub cylinder_tube: Tube,
     /// G; 0 without upstream Mach numbers.
@@ -68,10 +68,10 @@ impl Lag {
         gas: &Gas,
         x: &StateVector,
         (total, returning): (f64, f64),
-        (chambers, flows): (&Station<Pair>, Pair),
+        (chambers, flows): (&GasState<Pair>, Pair),
     ) -> [f64; 3] {
         let temperature = if total < 0.0 { returning } else { self.supply.temperature };
-        let supply = settled_ratio(gas, &self.supply_tube, &Station { temperature, ..self.supply }, total);
+        let supply = settled_ratio(gas, &self.supply_tube, &GasState { temperature, ..self.supply }, total);
         let cylinders = settled_ratio(gas, &self.cylinder_tube, chambers, -flows);
         let settled = [supply, cylinders.lane(0), cylinders.lane(1)];
         std::array::from_fn(|i| (settled[i] - x[slot::RATIO[i]]) / self.time)
@@ -80,6 +80,6 @@ impl Lag {
 
 /// The settled pressure ratio for a flow.
 #[inline(always)]
-fn settled_ratio<N: Number>(gas: &Gas, tube: &Tube, known: &Station<N>, flow: N) -> N {
+fn settled_ratio<N: Number>(gas: &Gas, tube: &Tube, known: &GasState<N>, flow: N) -> N {
     gas.pressure_of(tube.far_end(known, flow).exner / known.exner)
 }

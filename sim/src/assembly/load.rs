@@ -2,14 +2,14 @@
 
 use super::layout::{friction_states, guard};
 use super::{Assembly, Parts, StateVector, slot};
-use crate::component::air::Air;
+use crate::component::air::ChamberAir;
 use crate::component::friction::{Body, Contact, FrictionModel, States};
 use crate::number::{Number, Pair};
 
 /// Quantities that depend only on the state.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Effects {
-    pub air: Air<Pair>,
+    pub air: ChamberAir<Pair>,
     pub actuator_force: f64,
     pub friction_force: f64,
     pub acceleration: f64,

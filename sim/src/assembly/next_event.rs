@@ -6,7 +6,7 @@
 
 use super::layout::{SPOOL_GUARDS, guard, spool_state};
 use super::{Assembly, StateVector};
-use crate::component::operator::{Course, Met, Search, rounding};
+use crate::component::operator::{KnownMotion, Met, Search, rounding};
 use pneudrive_solver::crossing::{PROBES, first_crossing};
 use pneudrive_solver::{Event, StepLimit, System};
 
@@ -46,7 +46,7 @@ impl Assembly {
         // A null that drifts takes the edges along.
         if self.parts.null_drift != 0.0 {
             let clear = match (clear(), course) {
-                (clear, Course::Stands(exit, Some(own))) if exit < clear.until => {
+                (clear, KnownMotion::Stands(exit, Some(own))) if exit < clear.until => {
                     limit_at(exit, Met::Guard(own))
                 }
                 (clear, _) => clear,
@@ -54,8 +54,8 @@ impl Assembly {
             return self.searched_event(t, x, clear);
         }
         match course {
-            Course::Stands(until, broken_away) => self.while_standing(until, broken_away),
-            Course::Flies(flight, limits) => {
+            KnownMotion::Stands(until, broken_away) => self.while_standing(until, broken_away),
+            KnownMotion::Flies(flight, limits) => {
                 let clear = clear();
                 match flight.first_limit(&limits, [t, clear.until]) {
                     Search::Clear => clear,
@@ -63,7 +63,7 @@ impl Assembly {
                     Search::Undecided => self.searched_event(t, x, clear),
                 }
             }
-            Course::Unknown => self.searched_event(t, x, clear()),
+            KnownMotion::Unknown => self.searched_event(t, x, clear()),
         }
     }
 

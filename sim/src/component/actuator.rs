@@ -19,7 +19,7 @@ pub(crate) mod walls;
 use std::f64::consts::PI;
 
 use crate::component::actuator::walls::Walls;
-use crate::component::air::{Air, Volume};
+use crate::component::air::{ChamberAir, Volume};
 use crate::component::exhaust;
 use crate::component::gas::Gas;
 use crate::key::{keys, words};
@@ -29,7 +29,7 @@ use leakage::Leakage;
 
 words! {
     /// Kind of cylinder.
-    pub enum Model {
+    pub enum ActuatorKind {
         /// With a rod on one side.
         Asymmetric = "asymmetric",
         /// Rodless, or with a rod on both sides.
@@ -38,7 +38,7 @@ words! {
 }
 
 keys! {
-    MODEL: Model = choice("actuator.model", "L(18)", "Kind of cylinder; a symmetric one is rodless, or has a rod on both sides.");
+    MODEL: ActuatorKind = choice("actuator.model", "L(18)", "Kind of cylinder; a symmetric one is rodless, or has a rod on both sides.");
     STROKE_M: f64 = number("actuator.stroke_m", 0.3, 1e-3, 20.0, "C(14)", "Length of the stroke.");
     BORE_M: f64 = number("actuator.bore_m", 0.05, 1e-3, 2.0, "C(15)", "Bore of the cylinder.");
     ROD_DIAMETER_M: f64 = number("actuator.rod_diameter_m", 0.025, 0.0, 2.0, "C(16)", "Diameter of the rod: on one side (asymmetric) or on both (symmetric).").of(&["asymmetric", "symmetric"]);
@@ -52,7 +52,7 @@ impl Actuator {
     pub fn of(rig: &Rig) -> Actuator {
         let (bore, rod_diameter) = (rig.get(&keys::BORE_M), rig.get(&keys::ROD_DIAMETER_M));
         let [blind, rod_side, rod] = Actuator::areas(bore, rod_diameter);
-        let symmetric = rig.get(&keys::MODEL) == Model::Symmetric;
+        let symmetric = rig.get(&keys::MODEL) == ActuatorKind::Symmetric;
         let area_1 = if symmetric { rod_side } else { blind };
         let rods = [if symmetric { rod_diameter } else { 0.0 }, rod_diameter];
         Actuator {
@@ -168,7 +168,7 @@ impl Actuator {
 
     /// The leakage past the piston between the two chambers.
     #[inline(always)]
-    pub(crate) fn leak(&self, gas: &Gas, air: &Air<Pair>) -> Leak {
+    pub(crate) fn leak(&self, gas: &Gas, air: &ChamberAir<Pair>) -> Leak {
         let from = leakage::source(air);
         Leak { flow: self.leakage.flow(gas, air), temperature: air.temperature.lane(from) }
     }
@@ -180,7 +180,7 @@ impl Actuator {
         gas: &Gas,
         position: f64,
         volumes: Pair,
-        air: &Air<Pair>,
+        air: &ChamberAir<Pair>,
     ) -> Option<Pair> {
         let lengths = Pair::new([position, self.stroke - position]);
         self.walls.as_ref().map(|walls| walls.exner_rate(gas, lengths, volumes, air))
@@ -234,8 +234,8 @@ mod tests {
         let gas = Gas::new(1.4, 286.76);
         let volume = Volume { volume: 2e-4, rate: 1e-4 };
         let (p, t, flow, carried) = (3e5, 300.0, 2e-3, 280.0);
-        let [mass, exner] = Air::state_of(&gas, p, t, volume.volume);
-        let air = Air::of_state(&gas, mass, exner, volume.volume);
+        let [mass, exner] = ChamberAir::state_of(&gas, p, t, volume.volume);
+        let air = ChamberAir::of_state(&gas, mass, exner, volume.volume);
         let [mass_rate, exner_rate] = air.derivative(&gas, volume, [(flow, carried), (0.0, t), (0.0, t)]);
 
         let energy = 1.4 * 286.76 * carried * flow;
@@ -249,7 +249,7 @@ mod tests {
     #[test]
     fn a_chamber_with_shut_ports_keeps_w_v_to_the_n_minus_1() {
         let gas = Gas::new(1.4, 286.76);
-        let air = Air::of_state(&gas, 1e-3, 36.0, 3e-4);
+        let air = ChamberAir::of_state(&gas, 1e-3, 36.0, 3e-4);
         let volume = Volume { volume: 3e-4, rate: 1e-4 };
         let [mass_rate, exner_rate] = air.derivative(&gas, volume, [(0.0, 294.0); 3]);
         assert_eq!(mass_rate, 0.0);

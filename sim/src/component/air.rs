@@ -11,25 +11,25 @@ use crate::number::{Number, Pair};
 
 /// A place with an Exner pressure and a temperature, or two of them.
 #[derive(Clone, Copy, Debug)]
-pub struct Station<N = f64> {
+pub struct GasState<N = f64> {
     /// w.
     pub exner: N,
     /// K.
     pub temperature: N,
 }
 
-impl Station<Pair> {
+impl GasState<Pair> {
     /// Two places as one.
-    pub(crate) fn both([one, two]: &[Station; 2]) -> Station<Pair> {
-        Station {
+    pub(crate) fn both([one, two]: &[GasState; 2]) -> GasState<Pair> {
+        GasState {
             exner: Pair::new([one.exner, two.exner]),
             temperature: Pair::new([one.temperature, two.temperature]),
         }
     }
 
     /// Place `i` of them.
-    pub(crate) fn lane(&self, i: usize) -> Station {
-        Station { exner: self.exner.lane(i), temperature: self.temperature.lane(i) }
+    pub(crate) fn lane(&self, i: usize) -> GasState {
+        GasState { exner: self.exner.lane(i), temperature: self.temperature.lane(i) }
     }
 }
 
@@ -44,7 +44,7 @@ pub struct Volume<N = f64> {
 
 /// The air in a chamber, or in both.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Air<N = f64> {
+pub(crate) struct ChamberAir<N = f64> {
     /// m, kg.
     pub mass: N,
     /// w.
@@ -55,7 +55,7 @@ pub(crate) struct Air<N = f64> {
     pub temperature: N,
 }
 
-impl Air {
+impl ChamberAir {
     /// The mass (kg) and Exner pressure of air at `pressure` Pa and `temperature` K in a volume.
     #[must_use]
     pub fn state_of(gas: &Gas, pressure: f64, temperature: f64, volume: f64) -> [f64; 2] {
@@ -63,18 +63,23 @@ impl Air {
     }
 }
 
-impl<N: Number> Air<N> {
+impl<N: Number> ChamberAir<N> {
     /// Air of a mass and an Exner pressure in a volume.
     #[inline(always)]
-    pub(crate) fn of_state(gas: &Gas, mass: N, exner: N, volume: N) -> Air<N> {
+    pub(crate) fn of_state(gas: &Gas, mass: N, exner: N, volume: N) -> ChamberAir<N> {
         let pressure = gas.pressure_of(exner);
-        Air { mass, exner, pressure, temperature: pressure * volume / (mass * N::from(gas.gas_constant)) }
+        ChamberAir {
+            mass,
+            exner,
+            pressure,
+            temperature: pressure * volume / (mass * N::from(gas.gas_constant)),
+        }
     }
 
     /// As a place in the network of flows.
     #[inline(always)]
-    pub(crate) fn station(&self) -> Station<N> {
-        Station { exner: self.exner, temperature: self.temperature }
+    pub(crate) fn station(&self) -> GasState<N> {
+        GasState { exner: self.exner, temperature: self.temperature }
     }
 
     /// m' and w' for flows in kg/s into the chamber, each with the temperature (K) that it carries.
@@ -89,11 +94,11 @@ impl<N: Number> Air<N> {
     }
 }
 
-impl Air<Pair> {
+impl ChamberAir<Pair> {
     /// The air of chamber `i`.
     #[inline(always)]
-    pub(crate) fn lane(&self, i: usize) -> Air {
-        Air {
+    pub(crate) fn lane(&self, i: usize) -> ChamberAir {
+        ChamberAir {
             mass: self.mass.lane(i),
             exner: self.exner.lane(i),
             pressure: self.pressure.lane(i),

@@ -10,7 +10,7 @@ use crate::values::{Findings, Rig, whole_microseconds};
 
 words! {
     /// Which controller drives the plant.
-    pub enum Model {
+    pub enum ControllerKind {
         /// The one that is flashed, at its samples.
         Sampled = "sampled",
         /// The simulator's own, in floats, at all times.
@@ -23,7 +23,7 @@ macro_rules! keys_of_controller {
     (controller $parameters:tt $($other:tt)+) => {
         keys! {
             $parameters
-            MODEL: Model = choice("controller.model", "L(22), L(4)", "Sampled: the controller that is flashed. Continuous: the simulator's own, in floats.");
+            MODEL: ControllerKind = choice("controller.model", "L(22), L(4)", "Sampled: the controller that is flashed. Continuous: the simulator's own, in floats.");
             CLOCK_ERROR_PERCENT: f64 = number("controller.clock_error_percent", 0.0, -10.0, 10.0, "", "How much longer a second of the controller's clock really is; the controller does not know it. Times of test, trace and records are those of its clock.");
             CLOCK_TOLERANCE_PERCENT: f64 = number("controller.clock_tolerance_percent", 0.5, 0.0, 10.0, "", "How far that clock may be off, for identify. 0.5 is an assumption: that of a ceramic resonator. A crystal has 0.005, an RC oscillator 1 and more; 0: exact.");
             START_S: f64 = number("controller.start_s", 0.0, 0.0, 60.0, "C(40)", "Time for which the drive runs with its valve at the null before the first sample, from the initial state of the test; whole microseconds. Times of test, trace and faults count from the first sample.");
@@ -64,7 +64,7 @@ pub(crate) fn check(rig: &Rig, findings: &mut Findings) {
     }
     let why = "a command is driven before the next sample";
     findings.below(rig, &keys::DELAY_S, &keys::PERIOD_S, why);
-    if rig.get(&keys::CLOCK_ERROR_PERCENT) != 0.0 && rig.get(&keys::MODEL) == Model::Continuous {
+    if rig.get(&keys::CLOCK_ERROR_PERCENT) != 0.0 && rig.get(&keys::MODEL) == ControllerKind::Continuous {
         let message = "must be 0 with controller.model = \"continuous\", which has no clock";
         findings.note(&keys::CLOCK_ERROR_PERCENT, message);
     }

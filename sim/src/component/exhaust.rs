@@ -1,6 +1,6 @@
 //! The surroundings: the valve exhausts into them, and they push on the rod.
 
-use crate::component::air::Station;
+use crate::component::air::GasState;
 use crate::component::gas::Gas;
 use crate::key::keys;
 use crate::values::Rig;
@@ -12,6 +12,6 @@ keys! {
 
 /// Its air.
 #[must_use]
-pub fn station(rig: &Rig, gas: &Gas) -> Station {
-    Station { exner: gas.exner(rig.get(&keys::PRESSURE_PA)), temperature: rig.get(&keys::TEMPERATURE_K) }
+pub fn station(rig: &Rig, gas: &Gas) -> GasState {
+    GasState { exner: gas.exner(rig.get(&keys::PRESSURE_PA)), temperature: rig.get(&keys::TEMPERATURE_K) }
 }

@@ -12,7 +12,7 @@ use crate::key::{Key, keys, words};
 use crate::values::{Findings, Rig};
 
 keys! {
-    FRICTION: Model = choice("load.friction", "", "Model of the friction.");
+    FRICTION: FrictionKind = choice("load.friction", "", "Model of the friction.");
     STATIC_EXTEND_N: f64 = number("load.static_extend_n", 70.0, 0.0, 1e5, "C(46)", "Stiction, extending.").spread().vague();
     COULOMB_EXTEND_N: f64 = number("load.coulomb_extend_n", 40.0, 0.0, 1e5, "C(47)", "Coulomb friction, extending.").spread().vague();
     STATIC_RETRACT_N: f64 = number("load.static_retract_n", 40.0, 0.0, 1e5, "C(48)", "Stiction, retracting.").spread().vague();
@@ -103,7 +103,7 @@ macro_rules! models {
     ($($word:literal => $name:ident($file:ident::$model:ident), $about:literal;)+) => {
         words! {
             /// Kind of friction.
-            pub enum Model {
+            pub enum FrictionKind {
                 $(#[doc = $about] $name = $word,)+
             }
         }
@@ -124,7 +124,7 @@ macro_rules! models {
         pub(crate) fn check(rig: &Rig, findings: &mut Findings) {
             check_forces(rig, findings);
             match rig.get(&keys::FRICTION) {
-                $(Model::$name => <$file::$model as FrictionModel>::check(rig, findings),)+
+                $(FrictionKind::$name => <$file::$model as FrictionModel>::check(rig, findings),)+
             }
         }
 
@@ -140,7 +140,7 @@ macro_rules! models {
         impl FrictionModel for Friction {
             fn of(rig: &Rig) -> Friction {
                 match rig.get(&keys::FRICTION) {
-                    $(Model::$name => Friction::$name(FrictionModel::of(rig)),)+
+                    $(FrictionKind::$name => Friction::$name(FrictionModel::of(rig)),)+
                 }
             }
 

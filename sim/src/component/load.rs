@@ -16,14 +16,14 @@ use crate::values::Rig;
 
 words! {
     /// Kind of load.
-    pub enum Model {
+    pub enum LoadKind {
         /// A mass.
         Mass = "mass",
     }
 }
 
 keys! {
-    MODEL: Model = choice("load.model", "L(21)", "Kind of load.");
+    MODEL: LoadKind = choice("load.model", "L(21)", "Kind of load.");
     MASS_KG: f64 = number("load.mass_kg", 1.6, 1e-3, 1e5, "C(17)", "Moving mass.").spread();
     VISCOUS_N_S_PER_M: f64 = number("load.viscous_n_s_per_m", 30.0, 0.0, 1e6, "C(18)", "Viscous friction.").spread().vague();
     CONSTANT_FORCE_N: f64 = number("load.constant_force_n", 0.0, -1e6, 1e6, "C(19)", "Constant force in the direction of extension.");

@@ -38,7 +38,7 @@ use stuck::Stuck;
 
 words! {
     /// The model that moves the spool.
-    pub enum Model {
+    pub enum OperatorKind {
         /// A proportional solenoid against a spring, by the forces on the spool.
         Solenoid = "solenoid",
         /// The same as a damped oscillator.
@@ -50,21 +50,21 @@ words! {
     }
 }
 
-impl Model {
+impl OperatorKind {
     /// Whether it is a solenoid, under a dither.
     #[must_use]
     pub fn is_solenoid(self) -> bool {
-        matches!(self, Model::Solenoid | Model::Empirical)
+        matches!(self, OperatorKind::Solenoid | OperatorKind::Empirical)
     }
 }
 
 keys! {
-    MODEL: Model = choice("operator.model", "L(2)", "What moves the spool.");
+    MODEL: OperatorKind = choice("operator.model", "L(2)", "What moves the spool.");
 }
 
 /// The constraints on an operator's keys.
 pub(crate) fn check(rig: &Rig, findings: &mut Findings) {
-    let dithers = rig.get(&keys::MODEL) == Model::Solenoid && rig.get(&dither::keys::DITHER_MM) > 0.0;
+    let dithers = rig.get(&keys::MODEL) == OperatorKind::Solenoid && rig.get(&dither::keys::DITHER_MM) > 0.0;
     if dithers && rig.get(&dither::keys::DITHER_HZ) == 0.0 {
         let message = "a dither needs a frequency; write dither_mm = 0 for none";
         findings.note(&dither::keys::DITHER_HZ, message);
@@ -78,7 +78,7 @@ impl Operator {
     pub fn of(rig: &Rig) -> Operator {
         let dither = Dither::of(rig);
         match (rig.get(&keys::MODEL), rig.get(&controller_keys::MODEL)) {
-            (Model::Solenoid, controller::Model::Continuous) => {
+            (OperatorKind::Solenoid, controller::ControllerKind::Continuous) => {
                 Operator::Solenoid(Solenoid::with_moving_command(SolenoidParameters::of(rig, dither)))
             }
             _ => Operator::with_steps(rig, dither),
@@ -89,10 +89,10 @@ impl Operator {
     #[must_use]
     pub fn with_steps(rig: &Rig, dither: Dither) -> Operator {
         match rig.get(&keys::MODEL) {
-            Model::Solenoid => Operator::Solenoid(Solenoid::new(SolenoidParameters::of(rig, dither))),
-            Model::Empirical => Operator::Empirical(Empirical::of(rig, dither)),
-            Model::Stepper => Operator::Stepper(Stepper::of(rig)),
-            Model::OnOff => Operator::OnOff(OnOff::of(rig)),
+            OperatorKind::Solenoid => Operator::Solenoid(Solenoid::new(SolenoidParameters::of(rig, dither))),
+            OperatorKind::Empirical => Operator::Empirical(Empirical::of(rig, dither)),
+            OperatorKind::Stepper => Operator::Stepper(Stepper::of(rig)),
+            OperatorKind::OnOff => Operator::OnOff(OnOff::of(rig)),
         }
     }
 }
@@ -107,7 +107,7 @@ pub struct SpoolState {
 }
 
 /// The course of a spool until its next instant, as far as it is known.
-pub(crate) enum Course<'a> {
+pub(crate) enum KnownMotion<'a> {
     /// It stands at least until then, and breaks away there if a guard is named: the operator's of this index.
     Stands(f64, Option<usize>),
     /// It moves freely, between these limits.
@@ -169,11 +169,11 @@ impl Operator {
 
     /// Its course after `t`, as far as it is known. A moving spool next passes one of the `edges` of the lands,
     /// unless it meets a limit of the operator first.
-    pub(crate) fn course(&self, t: f64, spool: SpoolState, edges: &[Limit; 2]) -> Course<'_> {
+    pub(crate) fn course(&self, t: f64, spool: SpoolState, edges: &[Limit; 2]) -> KnownMotion<'_> {
         match self {
             Operator::Solenoid(solenoid) => solenoid.course(t, spool, edges),
-            Operator::Stepper(_) | Operator::Stuck(_) => Course::Stands(f64::INFINITY, None),
-            Operator::Empirical(_) | Operator::OnOff(_) => Course::Unknown,
+            Operator::Stepper(_) | Operator::Stuck(_) => KnownMotion::Stands(f64::INFINITY, None),
+            Operator::Empirical(_) | Operator::OnOff(_) => KnownMotion::Unknown,
         }
     }
 

@@ -83,7 +83,7 @@ fn check_channel_skew(rig: &Rig, findings: &mut Findings) {
         );
         findings.note(&keys::CHANNEL_SKEW_S, message);
     }
-    if skew > 0.0 && rig.get(&controller::keys::MODEL) == controller::Model::Continuous {
+    if skew > 0.0 && rig.get(&controller::keys::MODEL) == controller::ControllerKind::Continuous {
         let message = "must be 0 with controller.model = \"continuous\", which has no converter";
         findings.note(&keys::CHANNEL_SKEW_S, message);
     }

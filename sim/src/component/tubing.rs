@@ -30,7 +30,7 @@
 mod connector;
 mod pipe;
 
-use crate::component::air::Station;
+use crate::component::air::GasState;
 use crate::component::gas::Gas;
 use crate::component::supply;
 use crate::component::valve::{self, Valve, speed_counts};
@@ -42,7 +42,7 @@ use pipe::Pipe;
 
 words! {
     /// Pressure drop between supply, valve and cylinder.
-    pub enum Model {
+    pub enum TubingKind {
         /// By a slope over the flow that was measured.
         Empirical = "empirical",
         /// As a pipe with friction.
@@ -53,7 +53,7 @@ words! {
 }
 
 keys! {
-    MODEL: Model = choice("tubing.model", "L(11)", "Pressure drop between supply, valve and cylinder.");
+    MODEL: TubingKind = choice("tubing.model", "L(11)", "Pressure drop between supply, valve and cylinder.");
     DROP_SLOPE: f64 = number("tubing.drop_slope", 0.4, 0.0, 0.99, "C(28)", "Part of the pressure that is lost at the reference flow.").of(&["empirical"]).spread();
     REFERENCE_FLOW_KG_S: f64 = number("tubing.reference_flow_kg_s", 0.00465, 1e-5, 100.0, "C(30)", "Flow at which drop_slope holds.").of(&["empirical"]);
     DIAMETER_MM: f64 = number("tubing.diameter_mm", 4.0, 0.1, 500.0, "C(13)", "Bore of the tubes; with the multiple flow node that of the restriction at the cylinder.");
@@ -73,11 +73,11 @@ pub fn tubes(rig: &Rig, gas: &Gas) -> (Tube, Tube) {
         return (Tube::none(), Tube::connector(gas, rig.get(&valve::keys::DISCHARGE_SUPPLY), bore));
     }
     let tube = match rig.get(&keys::MODEL) {
-        Model::None => Tube::none(),
-        Model::Analytical => {
+        TubingKind::None => Tube::none(),
+        TubingKind::Analytical => {
             Tube::analytical(gas, rig.get(&keys::LENGTH_M), bore, rig.get(&keys::FRICTION_FACTOR))
         }
-        Model::Empirical => {
+        TubingKind::Empirical => {
             Tube::empirical(gas, rig.get(&keys::DROP_SLOPE), rig.get(&keys::REFERENCE_FLOW_KG_S))
         }
     };
@@ -217,14 +217,14 @@ impl Tube {
 
     /// The Exner pressure at the far end, for a flow (kg/s) from the known end to it; `known` as in `far_end`.
     #[must_use]
-    pub fn far_exner(&self, known: &Station, flow: f64) -> f64 {
+    pub fn far_exner(&self, known: &GasState, flow: f64) -> f64 {
         self.far_end(known, flow).exner
     }
 
     /// The far end, for a flow (kg/s) from the known end to the far end. `known` has the pressure at the known
     /// end and the stagnation temperature of the air in the tube: that of the place the air comes from.
     #[inline(always)]
-    pub(crate) fn far_end<N: Number>(&self, known: &Station<N>, flow: N) -> FarEnd<N> {
+    pub(crate) fn far_end<N: Number>(&self, known: &GasState<N>, flow: N) -> FarEnd<N> {
         // The usual one first.
         if let Drop::Empirical { decay } = &self.0 {
             let decay = N::from(*decay);
@@ -241,11 +241,11 @@ impl Tube {
 
 /// The far ends of tubes whose equations have to be asked how large things are.
 #[inline]
-fn one_by_one<N: Number>(known: &Station<N>, flow: N, ratio: impl Fn(&Station, f64) -> Ratio) -> FarEnd<N> {
+fn one_by_one<N: Number>(known: &GasState<N>, flow: N, ratio: impl Fn(&GasState, f64) -> Ratio) -> FarEnd<N> {
     let mut slopes = [0.0; 2];
     let exner = N::of(|i| {
         let (known, flow) =
-            (Station { exner: known.exner.lane(i), temperature: known.temperature.lane(i) }, flow.lane(i));
+            (GasState { exner: known.exner.lane(i), temperature: known.temperature.lane(i) }, flow.lane(i));
         let far = ratio(&known, flow).far_end(known.exner, flow);
         slopes[i] = far.by_flow;
         far.exner

@@ -31,13 +31,13 @@ use crate::number::Pair;
 use crate::values::{Findings, Rig};
 use iso6358::{REFERENCE_DENSITY, REFERENCE_TEMPERATURE};
 use lands::keys::CHARACTERISTIC;
-pub use model::{Model, Opening};
+pub use model::{Opening, ValveKind};
 use model::{Paths, WITH_AREAS, WITH_NODES, WITH_SPOOL};
 use restrictions::Shares;
 pub(crate) use restrictions::{Conductances, Restrictions};
 
 keys! {
-    MODEL: Model = choice("valve.model", "L(16)", "How the flows through the valve are formed.");
+    MODEL: ValveKind = choice("valve.model", "L(16)", "How the flows through the valve are formed.");
     SPOOL_TRAVEL_MM: f64 = number("valve.spool_travel_mm", 1.0, 0.01, 100.0, "C(3)", "Travel of the spool to either side; also what a command of 2048 asks for.");
     UNDERLAP_MM: f64 = number("valve.underlap_mm", 0.0, -10.0, 10.0, "C(4)", "Lap of the lands: negative is underlap, positive overlap.").chosen_by(&CHARACTERISTIC, &["lands", "linear"]);
     SLEEVE_DIAMETER_MM: f64 = number("valve.sleeve_diameter_mm", 10.0, 0.1, 500.0, "C(9)", "Bore of the sleeve.").chosen_by(&CHARACTERISTIC, &["lands"]);

@@ -14,8 +14,8 @@ fn tubes(gas: &Gas) -> [(&'static str, Tube); 3] {
     ]
 }
 
-fn station(gas: &Gas, pressure: f64, temperature: f64) -> Station {
-    Station { exner: gas.exner(pressure), temperature }
+fn station(gas: &Gas, pressure: f64, temperature: f64) -> GasState {
+    GasState { exner: gas.exner(pressure), temperature }
 }
 
 /// The nodes, with port directions that match their flows.
@@ -23,7 +23,7 @@ fn settled(
     network: &mut Network,
     valve: &Valve,
     spool: f64,
-    chambers: &[Station; 2],
+    chambers: &[GasState; 2],
 ) -> ([Node; 2], [PortFlow; 2]) {
     let mut ports = [PortFlow::Charging; 2];
     for _ in 0..3 {
@@ -83,13 +83,13 @@ fn newton_and_brackets_agree_whatever_the_temperatures() {
                         let chambers = [station(&gas, p1, 250.0), station(&gas, p2, 350.0)];
                         let mut newton = Network { cylinder_tube: tube, ..template.clone() }.to_within(1e-15);
                         let (_, ports) = settled(&mut newton, &valve, spool, &chambers);
-                        let around = Surroundings::new(
+                        let boundary = BoundaryConditions::new(
                             valve.conductances(&gas, spool),
-                            Station::both(&chambers),
+                            GasState::both(&chambers),
                             &ports,
                         );
                         let mut brackets = newton.clone();
-                        if !brackets.by_brackets(&around) {
+                        if !brackets.by_brackets(&boundary) {
                             continue;
                         }
                         compared += 1;

@@ -25,8 +25,8 @@ fn orifice(area: f64, (p_a, t_a): (f64, f64), (p_b, t_b): (f64, f64)) -> f64 {
     area * (N / R).sqrt() * flux
 }
 
-fn station(pressure: f64, temperature: f64) -> Station {
-    Station { exner: Gas::new(N, R).exner(pressure), temperature }
+fn station(pressure: f64, temperature: f64) -> GasState {
+    GasState { exner: Gas::new(N, R).exner(pressure), temperature }
 }
 
 fn network(approach: bool) -> Network {
@@ -130,7 +130,7 @@ fn reverse_flow_is_negative_and_takes_the_other_side_as_upstream() {
     }
 }
 
-fn ports_of(network: &mut Network, valve: &Valve, chambers: &[Station; 2], spool: f64) -> [Node; 2] {
+fn ports_of(network: &mut Network, valve: &Valve, chambers: &[GasState; 2], spool: f64) -> [Node; 2] {
     let conductances = valve.conductances(&Gas::new(N, R), spool);
     let mut ports = [PortFlow::Charging; 2];
     for _ in 0..2 {

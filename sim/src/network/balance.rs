@@ -14,10 +14,10 @@
 
 use super::Network;
 use super::mixing::Mixture;
-use super::nodes::{Nodes, Surroundings, pair};
+use super::nodes::{BoundaryConditions, Nodes, pair};
 use super::rest::{Slope, land_line, square_slope};
 use super::restriction::{EndState, Side, SquareFlow};
-use crate::component::air::Station;
+use crate::component::air::GasState;
 use crate::component::tubing::FarEnd;
 use crate::component::valve::flow_law::FlowLaw;
 use crate::number::{Number, Pair};
@@ -43,7 +43,7 @@ pub(super) type Correction = [Pair; 3];
 
 /// Slopes of w behind the ports over s, e and the flow in the supply tube, through the temperature of the air in the
 /// tubes.
-type ByWarmth = Option<[Pair; 3]>;
+type ByTemperature = Option<[Pair; 3]>;
 
 impl Network {
     /// The balance at `nodes`. `AT_REST`: no air has a speed in front of a restriction. `PLAIN`: no tube's drop
@@ -52,21 +52,21 @@ impl Network {
     pub(super) fn balance<const AT_REST: bool, const PLAIN: bool>(
         &self,
         nodes: &Nodes,
-        around: &Surroundings,
+        boundary: &BoundaryConditions,
         supply: &Side,
         slopes: Slope,
     ) -> Balance {
-        let (tubes, by_warmth) = self.cylinder_side::<AT_REST, PLAIN>(nodes, around, supply);
-        let mixture = match around.valve.port {
-            Some(_) => self.mixture(nodes, around, supply, &tubes),
+        let (tubes, by_warmth) = self.cylinder_side::<AT_REST, PLAIN>(nodes, boundary, supply);
+        let mixture = match boundary.valve.port {
+            Some(_) => self.mixture(nodes, boundary, supply, &tubes),
             // Without a node the exhaust land takes the cylinder's air (6.40).
-            None => Mixture::of(around.chambers.temperature),
+            None => Mixture::of(boundary.chambers.temperature),
         };
         let lines = [
-            self.supply_line::<AT_REST>(nodes, around, supply, &mixture, slopes),
-            self.exhaust_line(nodes, around, &mixture, slopes),
-            match around.valve.port {
-                Some(bore) => self.port_line(bore, nodes, around, (&tubes, by_warmth), &mixture, slopes),
+            self.supply_line::<AT_REST>(nodes, boundary, supply, &mixture, slopes),
+            self.exhaust_line(nodes, boundary, &mixture, slopes),
+            match boundary.valve.port {
+                Some(bore) => self.port_line(bore, nodes, boundary, (&tubes, by_warmth), &mixture, slopes),
                 None => open_port_line(nodes, &tubes, by_warmth),
             },
         ];
@@ -83,14 +83,14 @@ impl Network {
 
     /// Whether the usual pattern may be tried: all restrictions are orifices for air, and none is shut.
     #[inline(always)]
-    pub(super) fn may_be_usual(&self, around: &Surroundings) -> bool {
-        self.passes_air && self.is_plain() && !around.has_shut_land && around.valve.port.is_some()
+    pub(super) fn may_be_usual(&self, boundary: &BoundaryConditions) -> bool {
+        self.passes_air && self.is_plain() && !boundary.has_shut_land && boundary.valve.port.is_some()
     }
 
     /// The air in front of the lands, behind the supply's tube.
     #[inline(always)]
     pub(super) fn supply_side<const AT_REST: bool>(&self, nodes: &Nodes, at_valve: &FarEnd) -> Side {
-        let station = Station { exner: pair(at_valve.exner), temperature: self.supply_temperature() };
+        let station = GasState { exner: pair(at_valve.exner), temperature: self.supply_temperature() };
         let approach = if AT_REST { None } else { self.supply_approach(&station, nodes.supply) };
         Side { station, approach, by_flow: pair(at_valve.by_flow) }
     }
@@ -99,18 +99,18 @@ impl Network {
     fn cylinder_side<const AT_REST: bool, const PLAIN: bool>(
         &self,
         nodes: &Nodes,
-        around: &Surroundings,
+        boundary: &BoundaryConditions,
         supply: &Side,
-    ) -> (Side, ByWarmth) {
+    ) -> (Side, ByTemperature) {
         let back = -nodes.port_flow();
-        let in_tubes = if PLAIN { None } else { self.air_in_tubes(nodes, around, supply) };
-        let temperature = in_tubes.as_ref().map_or(around.chambers.temperature, |air| air.temperature);
-        let far_end = self.cylinder_tube.far_end(&Station { temperature, ..around.chambers }, back);
+        let in_tubes = if PLAIN { None } else { self.air_in_tubes(nodes, boundary, supply) };
+        let temperature = in_tubes.as_ref().map_or(boundary.chambers.temperature, |air| air.temperature);
+        let far_end = self.cylinder_tube.far_end(&GasState { temperature, ..boundary.chambers }, back);
         let by_warmth = in_tubes.map(|air| {
             let by_temperature = far_end.by_temperature(back, air.temperature);
             air.slopes.map(|slope| by_temperature * slope)
         });
-        let station = Station { exner: far_end.exner, ..around.chambers };
+        let station = GasState { exner: far_end.exner, ..boundary.chambers };
         let approach = if AT_REST { None } else { self.port_approach(&station, back) };
         (Side { station, approach, by_flow: far_end.by_flow }, by_warmth)
     }
@@ -119,19 +119,19 @@ impl Network {
     fn supply_line<const AT_REST: bool>(
         &self,
         nodes: &Nodes,
-        around: &Surroundings,
+        boundary: &BoundaryConditions,
         supply: &Side,
         mixture: &Mixture,
         slopes: Slope,
     ) -> Line {
         let place =
             EndState { exner: supply.station.exner, per_temperature: pair(self.per_supply_temperature) };
-        let conductance = around.valve.supply;
+        let conductance = boundary.valve.supply;
         let node = mixture.place(nodes);
         let square = self.land(&self.laws.supply, conductance, &place, &supply.approach, &node);
         let at = (nodes.supply, square.value);
         let (residual, by_flow) =
-            self.land_lines(around, (&self.laws.supply, conductance), &supply.station, at, slopes);
+            self.land_lines(boundary, (&self.laws.supply, conductance), &supply.station, at, slopes);
         let pushed = -square.by_end_state * supply.by_flow;
         let [s_s, s_e, s_t] = mixture.cooled(&square, pair(0.0).above(square.value), slopes);
         let row = [-square.by_node, by_flow - square.by_flow + s_s, s_e];
@@ -139,13 +139,19 @@ impl Network {
     }
 
     #[inline(always)]
-    fn exhaust_line(&self, nodes: &Nodes, around: &Surroundings, mixture: &Mixture, slopes: Slope) -> Line {
-        let (exhaust, conductance) = (self.exhausts(), around.valve.exhaust);
+    fn exhaust_line(
+        &self,
+        nodes: &Nodes,
+        boundary: &BoundaryConditions,
+        mixture: &Mixture,
+        slopes: Slope,
+    ) -> Line {
+        let (exhaust, conductance) = (self.exhausts(), boundary.valve.exhaust);
         let (place, node) = (EndState::of(&exhaust), mixture.place(nodes));
         let square = self.land(&self.laws.exhaust, conductance, &place, &None, &node);
         let at = (nodes.exhaust, square.value);
         let (residual, by_flow) =
-            self.land_lines(around, (&self.laws.exhaust, conductance), &exhaust, at, slopes);
+            self.land_lines(boundary, (&self.laws.exhaust, conductance), &exhaust, at, slopes);
         let [e_s, e_e, e_t] = mixture.cooled(&square, pair(0.0).above(square.value), slopes);
         Line { residual, row: [-square.by_node, e_s, by_flow + e_e], by_total: e_t }
     }
@@ -155,17 +161,17 @@ impl Network {
         &self,
         bore: Pair,
         nodes: &Nodes,
-        around: &Surroundings,
-        (tubes, by_warmth): (&Side, ByWarmth),
+        boundary: &BoundaryConditions,
+        (tubes, by_warmth): (&Side, ByTemperature),
         mixture: &Mixture,
         slopes: Slope,
     ) -> Line {
         let m = nodes.port_flow();
-        let of_chambers = pair(1.0) / around.chambers.temperature;
-        let per_temperature = Pair::choose(around.charging, mixture.per_temperature, of_chambers);
+        let of_chambers = pair(1.0) / boundary.chambers.temperature;
+        let per_temperature = Pair::choose(boundary.charging, mixture.per_temperature, of_chambers);
         let behind = EndState { exner: tubes.station.exner, per_temperature };
         let back = self.port(bore, &behind, &tubes.approach, nodes.exner);
-        let [p_s, p_e, p_t] = mixture.cooled(&back, around.charging, slopes);
+        let [p_s, p_e, p_t] = mixture.cooled(&back, boundary.charging, slopes);
         let size = match slopes {
             Slope::Tangent => pair(2.0) * m.abs(),
             Slope::Secant => Pair::of(|i| square_slope(slopes, m.lane(i), -back.value.lane(i))),
@@ -185,31 +191,31 @@ impl Network {
     #[inline(always)]
     fn land_lines(
         &self,
-        around: &Surroundings,
+        boundary: &BoundaryConditions,
         land: (&FlowLaw, Pair),
-        source: &Station<Pair>,
+        source: &GasState<Pair>,
         (flow, value): (Pair, Pair),
         slopes: Slope,
     ) -> (Pair, Pair) {
-        if slopes == Slope::Tangent && !around.has_shut_land {
+        if slopes == Slope::Tangent && !boundary.has_shut_land {
             return (flow * flow.abs() - value, pair(2.0) * flow.abs());
         }
-        self.line_by_line(around, land, source, (flow, value), slopes)
+        self.line_by_line(boundary, land, source, (flow, value), slopes)
     }
 
     /// The same, one land at a time: for air at rest, or beside a land that is shut.
     #[inline(never)]
     fn line_by_line(
         &self,
-        around: &Surroundings,
+        boundary: &BoundaryConditions,
         (law, conductance): (&FlowLaw, Pair),
-        source: &Station<Pair>,
+        source: &GasState<Pair>,
         (flow, value): (Pair, Pair),
         slopes: Slope,
     ) -> (Pair, Pair) {
         let line = |i: usize| {
-            let shut = around.valve.supply.lane(i) == 0.0 || around.valve.exhaust.lane(i) == 0.0;
-            let source = Station { exner: source.exner.lane(i), temperature: source.temperature.lane(i) };
+            let shut = boundary.valve.supply.lane(i) == 0.0 || boundary.valve.exhaust.lane(i) == 0.0;
+            let source = GasState { exner: source.exner.lane(i), temperature: source.temperature.lane(i) };
             let conductance = conductance.lane(i);
             let creeping = if shut { self.creeping(law, conductance, &source) } else { 0.0 };
             land_line(conductance, flow.lane(i), value.lane(i), creeping, slopes)
@@ -221,7 +227,7 @@ impl Network {
 
 /// A port without a bore: its pressure equals the node's.
 #[inline(always)]
-fn open_port_line(nodes: &Nodes, tubes: &Side, by_warmth: ByWarmth) -> Line {
+fn open_port_line(nodes: &Nodes, tubes: &Side, by_warmth: ByTemperature) -> Line {
     let by_flow = pair(-OPEN_PORT) * tubes.by_flow;
     let [w_s, w_e, w_t] =
         by_warmth.map_or([pair(0.0); 3], |by_warmth| by_warmth.map(|slope| pair(OPEN_PORT) * slope));

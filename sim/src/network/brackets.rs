@@ -5,7 +5,7 @@
 
 use super::mixing::mean_of_inflows;
 use super::restriction::{Approach, EndState, MaybeApproach, factor};
-use super::{Network, Node, Nodes, PortFlow, Station, Surroundings};
+use super::{BoundaryConditions, GasState, Network, Node, Nodes, PortFlow};
 use crate::component::valve::Conductances;
 use crate::component::valve::flow_law::FlowLaw;
 use pneudrive_solver::bracketed_root;
@@ -31,7 +31,7 @@ const TEMPERATURE_PASSES: u32 = 4;
 /// The surroundings of one node, for given speeds of approach.
 struct NodeSide<'a> {
     valve: Conductances,
-    chamber: Station,
+    chamber: GasState,
     port: PortFlow,
     /// At supply land, exhaust land and port.
     approaches: &'a [MaybeApproach; 3],
@@ -49,17 +49,17 @@ impl Network {
     /// Returns false if the speeds cycle (Brent, BIT 20, 1980) or do not converge. This happens behind tubes that let
     /// next to nothing pass: there air comes at the speed of sound or not at all, and each is the consequence of the
     /// other.
-    pub(super) fn by_brackets(&mut self, around: &Surroundings) -> bool {
+    pub(super) fn by_brackets(&mut self, boundary: &BoundaryConditions) -> bool {
         let mut places = [[OverRelaxation::AT_REST; 3]; 2];
         let mut landmark = places;
         for pass in 0..MAX_PASSES {
             self.work.passes += 1;
             let approaches = places.map(|node| node.map(|place| place.approach));
-            let nodes = self.balanced(around, &approaches);
+            let nodes = self.balanced(boundary, &approaches);
             self.nodes = Nodes::of(&nodes);
             let mut largest = 0.0_f64;
             for (i, node) in places.iter_mut().enumerate() {
-                for (place, found) in node.iter_mut().zip(self.approaches(i, around)) {
+                for (place, found) in node.iter_mut().zip(self.approaches(i, boundary)) {
                     largest = largest.max(place.follow(found));
                 }
             }
@@ -78,20 +78,20 @@ impl Network {
     }
 
     /// The factors of approach at supply land, exhaust land and port of node `i`, for its present flows.
-    pub(super) fn approaches(&self, i: usize, around: &Surroundings) -> [MaybeApproach; 3] {
+    pub(super) fn approaches(&self, i: usize, boundary: &BoundaryConditions) -> [MaybeApproach; 3] {
         let node = &self.nodes.each()[i];
-        let supply = Station { exner: self.exner_at_lands(&self.nodes), ..self.supply };
-        let chamber = around.chambers.lane(i);
-        let far = self.port_station(node.temperature, &chamber, around.port(i), node.port_flow());
+        let supply = GasState { exner: self.exner_at_lands(&self.nodes), ..self.supply };
+        let chamber = boundary.chambers.lane(i);
+        let far = self.port_station(node.temperature, &chamber, boundary.port(i), node.port_flow());
         [self.supply_approach(&supply, node.supply_flow), None, self.port_approach(&far, -node.port_flow())]
     }
 
     /// The nodes at the flow in the supply tube that both together take.
-    fn balanced(&self, around: &Surroundings, approaches: &[[MaybeApproach; 3]; 2]) -> [Node; 2] {
+    fn balanced(&self, boundary: &BoundaryConditions, approaches: &[[MaybeApproach; 3]; 2]) -> [Node; 2] {
         let sides = [0, 1].map(|i| NodeSide {
-            valve: around.valve.lane(i),
-            chamber: around.chambers.lane(i),
-            port: around.port(i),
+            valve: boundary.valve.lane(i),
+            chamber: boundary.chambers.lane(i),
+            port: boundary.port(i),
             approaches: &approaches[i],
             laws: [self.laws.supply.of_node(i), self.laws.exhaust.of_node(i)],
         });
@@ -165,7 +165,7 @@ impl Network {
         at_valve: f64,
         through_port: impl Fn(&Node) -> f64,
     ) -> Node {
-        let supply = Station { exner: at_valve, temperature: self.supply.temperature };
+        let supply = GasState { exner: at_valve, temperature: self.supply.temperature };
         let mut node = Node {
             exner,
             temperature: supply.temperature,
@@ -176,7 +176,7 @@ impl Network {
         let [from_supply, from_exhaust, from_port] = side.approaches;
         let signed_root = |square: f64| square.abs().sqrt().copysign(square);
         for _ in 0..2 {
-            let here = EndState::of(&Station { exner, temperature: node.temperature });
+            let here = EndState::of(&GasState { exner, temperature: node.temperature });
             let supply_flow =
                 self.land(&side.laws[0], side.valve.supply, &EndState::of(&supply), from_supply, &here).value;
             let exhaust_flow = self

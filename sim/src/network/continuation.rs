@@ -11,7 +11,7 @@
 //! found. Then the continuation has failed.
 
 use super::Network;
-use super::nodes::{Nodes, Surroundings, pair};
+use super::nodes::{BoundaryConditions, Nodes, pair};
 use super::predictor::Predictor;
 use crate::number::Number;
 
@@ -25,7 +25,7 @@ const LEAK: f64 = 0.01;
 
 impl Network {
     /// Follows the solution from rest. Returns false if the branch ends, or without speeds of approach.
-    pub(super) fn continue_from_rest(&mut self, around: &Surroundings) -> bool {
+    pub(super) fn continue_from_rest(&mut self, boundary: &BoundaryConditions) -> bool {
         if self.mach == 0.0 {
             return false;
         }
@@ -34,11 +34,11 @@ impl Network {
         let found = (0..=PARTS).all(|part| {
             let before = self.nodes;
             self.mach = whole * f64::from(part) / f64::from(PARTS);
-            self.by_newton(around) && (part == 0 || is_near(&before, &self.nodes))
+            self.by_newton(boundary) && (part == 0 || is_near(&before, &self.nodes))
         });
         (self.mach, self.predictor) = (whole, predictor);
         if found {
-            self.predictor.note(&self.nodes, around);
+            self.predictor.note(&self.nodes, boundary);
         }
         found
     }
@@ -69,9 +69,9 @@ mod tests {
     ];
 
     /// Whether the directions of the ports match their flows. Otherwise a node may have no inflow, and any temperature.
-    fn fits(network: &Network, around: &Surroundings) -> bool {
+    fn fits(network: &Network, boundary: &BoundaryConditions) -> bool {
         let each = network.nodes.each();
-        (0..2).all(|i| (each[i].port_flow() >= 0.0) == (around.port(i) == PortFlow::Charging))
+        (0..2).all(|i| (each[i].port_flow() >= 0.0) == (boundary.port(i) == PortFlow::Charging))
     }
 
     /// Narrow and wide lands, tubes that let next to nothing pass and tubes that let everything pass. Where the
@@ -87,11 +87,12 @@ mod tests {
             for spool in [-0.9e-3, -1e-6, 0.0, 0.1e-3, 0.3e-3] {
                 for (p1, p2) in [(110e3, 580e3), (325e3, 400e3), (588e3, 102e3), (20e3, 300e3)] {
                     for ports in PORTS {
-                        let chambers = crate::component::air::Station::both(&chambers(&gas, p1, p2));
-                        let around = Surroundings::new(valve.conductances(&gas, spool), chambers, &ports);
+                        let chambers = crate::component::air::GasState::both(&chambers(&gas, p1, p2));
+                        let boundary =
+                            BoundaryConditions::new(valve.conductances(&gas, spool), chambers, &ports);
                         let (mut one, mut other) = (network.clone(), network.clone());
-                        let found = one.continue_from_rest(&around);
-                        if !(other.by_brackets(&around) && fits(&other, &around)) {
+                        let found = one.continue_from_rest(&boundary);
+                        if !(other.by_brackets(&boundary) && fits(&other, &boundary)) {
                             continue;
                         }
                         (followed, all) = (followed + u32::from(found), all + 1);

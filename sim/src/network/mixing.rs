@@ -1,7 +1,7 @@
 //! Mixing of the flows into a node.
 
 use super::Network;
-use super::nodes::{Nodes, Surroundings, pair};
+use super::nodes::{BoundaryConditions, Nodes, pair};
 use super::restriction::{MaybeApproach, Side};
 use crate::number::{Number, Pair};
 
@@ -19,7 +19,7 @@ impl Network {
     pub(super) fn air_in_tubes(
         &self,
         nodes: &Nodes,
-        around: &Surroundings,
+        boundary: &BoundaryConditions,
         supply: &Side,
     ) -> Option<Mixture> {
         if !self.cylinder_tube.feels_temperature() {
@@ -27,13 +27,13 @@ impl Network {
         }
         // Without a node, the approach to the lands does not change the temperature (6.40).
         let at_rest = |station| Side { station, approach: None, by_flow: pair(0.0) };
-        let behind = at_rest(around.chambers);
-        let charging = match around.valve.port {
-            Some(_) => self.mixture(nodes, around, supply, &behind),
-            None => self.mixture(nodes, around, &at_rest(supply.station), &behind),
+        let behind = at_rest(boundary.chambers);
+        let charging = match boundary.valve.port {
+            Some(_) => self.mixture(nodes, boundary, supply, &behind),
+            None => self.mixture(nodes, boundary, &at_rest(supply.station), &behind),
         };
-        let of_chambers = Mixture::of(around.chambers.temperature);
-        let choose = |mixed: Pair, own: Pair| Pair::choose(around.charging, mixed, own);
+        let of_chambers = Mixture::of(boundary.chambers.temperature);
+        let choose = |mixed: Pair, own: Pair| Pair::choose(boundary.charging, mixed, own);
         Some(Mixture {
             temperature: choose(charging.temperature, of_chambers.temperature),
             per_temperature: choose(charging.per_temperature, of_chambers.per_temperature),
@@ -47,15 +47,15 @@ impl Network {
     pub(super) fn mixture(
         &self,
         nodes: &Nodes,
-        around: &Surroundings,
+        boundary: &BoundaryConditions,
         supply: &Side,
         behind: &Side,
     ) -> Mixture {
         let (zero, one) = (pair(0.0), pair(1.0));
         let from_supply = scaled(self.supply_temperature(), &supply.approach);
         let from_exhaust = pair(self.exhaust.temperature);
-        let from_chamber = scaled(around.chambers.temperature, &behind.approach);
-        let back = Pair::choose(around.charging, zero, (-nodes.port_flow()).larger(zero));
+        let from_chamber = scaled(boundary.chambers.temperature, &behind.approach);
+        let back = Pair::choose(boundary.charging, zero, (-nodes.port_flow()).larger(zero));
         let [s, e] = [nodes.supply.larger(zero), nodes.exhaust.larger(zero)];
         let mass = s + e + back;
         let heat = s * from_supply + e * from_exhaust + back * from_chamber;
@@ -76,7 +76,7 @@ impl Network {
             by_flows[2] = carried * approach.by_exner * supply.by_flow;
         }
         if let Some(approach) = &behind.approach {
-            let carried = back * around.chambers.temperature;
+            let carried = back * boundary.chambers.temperature;
             let bend = carried * (approach.by_flow + approach.by_exner * behind.by_flow);
             (by_flows[0], by_flows[1]) = (by_flows[0] - bend, by_flows[1] - bend);
         }

@@ -6,13 +6,13 @@
 
 use super::balance::Correction;
 use super::mixing::Mixture;
-use super::nodes::{Nodes, Surroundings, pair};
+use super::nodes::{BoundaryConditions, Nodes, pair};
 use super::rest::{Slope, is_rounding};
 use super::restriction::{EndState, Side};
 use super::settling::{ARRIVED, NO_FLOW, SMALLEST};
 use super::usual::Outcome;
 use super::{FLOW_ERROR, Network};
-use crate::component::air::Station;
+use crate::component::air::GasState;
 use crate::component::valve::flow_law::FlowLaw;
 use crate::number::{Number, Pair};
 
@@ -30,13 +30,13 @@ enum Arrived {
 impl Network {
     /// Newton's method from `nodes`, which it leads to the solution. Returns false if it does not converge.
     #[inline(always)]
-    pub(super) fn newton(&mut self, around: &Surroundings, nodes: &mut Nodes, slopes: Slope) -> bool {
-        self.begin(around, nodes);
+    pub(super) fn newton(&mut self, boundary: &BoundaryConditions, nodes: &mut Nodes, slopes: Slope) -> bool {
+        self.begin(boundary, nodes);
         let mut left = slopes.max_iterations();
-        if slopes == Slope::Tangent && self.may_be_usual(around) {
+        if slopes == Slope::Tangent && self.may_be_usual(boundary) {
             let (outcome, corrections) = match self.mach == 0.0 {
-                true => self.newton_of_usual::<true>(around, nodes, left),
-                false => self.newton_of_usual_at_speed(around, nodes, left),
+                true => self.newton_of_usual::<true>(boundary, nodes, left),
+                false => self.newton_of_usual_at_speed(boundary, nodes, left),
             };
             self.work.iterations += u64::from(corrections);
             match outcome {
@@ -45,17 +45,17 @@ impl Network {
                 Outcome::Unusual => left -= corrections,
             }
         }
-        let found = self.newton_in_general(around, nodes, slopes, left);
+        let found = self.newton_in_general(boundary, nodes, slopes, left);
         nodes.carried = nodes.temperature;
-        found && self.may_be(around, nodes)
+        found && self.may_be(boundary, nodes)
     }
 
     /// Whether the nodes lie between their surroundings, apart from the rise of air at speed. The equations have
     /// other roots, far beyond.
     #[inline(never)]
-    fn may_be(&self, around: &Surroundings, nodes: &Nodes) -> bool {
+    fn may_be(&self, boundary: &BoundaryConditions, nodes: &Nodes) -> bool {
         let ends =
-            [pair(self.supply.exner), pair(self.exhaust.exner), around.chambers.exner].map(Pair::to_array);
+            [pair(self.supply.exner), pair(self.exhaust.exner), boundary.chambers.exner].map(Pair::to_array);
         let all = || ends.as_flattened().iter().copied();
         let (low, high) = (all().fold(f64::INFINITY, f64::min), all().fold(0.0, f64::max));
         let between = nodes.exner.at_least(pair(low / BEYOND)) & pair(high * BEYOND).at_least(nodes.exner);
@@ -66,16 +66,16 @@ impl Network {
     #[inline(never)]
     fn newton_in_general(
         &mut self,
-        around: &Surroundings,
+        boundary: &BoundaryConditions,
         nodes: &mut Nodes,
         slopes: Slope,
         most: u32,
     ) -> bool {
         match (self.mach == 0.0 && slopes == Slope::Tangent, self.is_plain()) {
-            (true, true) => self.iterate::<true, true>(around, nodes, slopes, most),
-            (true, false) => self.iterate::<true, false>(around, nodes, slopes, most),
-            (false, true) => self.iterate::<false, true>(around, nodes, slopes, most),
-            (false, false) => self.iterate::<false, false>(around, nodes, slopes, most),
+            (true, true) => self.iterate::<true, true>(boundary, nodes, slopes, most),
+            (true, false) => self.iterate::<true, false>(boundary, nodes, slopes, most),
+            (false, true) => self.iterate::<false, true>(boundary, nodes, slopes, most),
+            (false, false) => self.iterate::<false, false>(boundary, nodes, slopes, most),
         }
     }
 
@@ -83,7 +83,7 @@ impl Network {
     #[inline(never)]
     fn iterate<const AT_REST: bool, const PLAIN: bool>(
         &mut self,
-        around: &Surroundings,
+        boundary: &BoundaryConditions,
         nodes: &mut Nodes,
         slopes: Slope,
         most: u32,
@@ -94,7 +94,7 @@ impl Network {
             let at_valve =
                 if PLAIN { self.supply_tube.far_end(&self.supply, total) } else { self.supply_end(total) };
             let supply = self.supply_side::<AT_REST>(nodes, &at_valve);
-            match self.correct::<AT_REST, PLAIN>(nodes, around, &supply, slopes) {
+            match self.correct::<AT_REST, PLAIN>(nodes, boundary, &supply, slopes) {
                 Arrived::Yes => return true,
                 Arrived::Never => return false,
                 Arrived::NotYet => {}
@@ -107,11 +107,11 @@ impl Network {
     #[inline(never)]
     fn newton_of_usual_at_speed(
         &self,
-        around: &Surroundings,
+        boundary: &BoundaryConditions,
         nodes: &mut Nodes,
         most: u32,
     ) -> (Outcome, u32) {
-        self.newton_of_usual::<false>(around, nodes, most)
+        self.newton_of_usual::<false>(boundary, nodes, most)
     }
 
     /// One correction. The constants are those of [`Network::balance`].
@@ -119,11 +119,11 @@ impl Network {
     fn correct<const AT_REST: bool, const PLAIN: bool>(
         &self,
         nodes: &mut Nodes,
-        around: &Surroundings,
+        boundary: &BoundaryConditions,
         supply: &Side,
         slopes: Slope,
     ) -> Arrived {
-        let balance = self.balance::<AT_REST, PLAIN>(nodes, around, supply, slopes);
+        let balance = self.balance::<AT_REST, PLAIN>(nodes, boundary, supply, slopes);
         let corrections = balance.corrections::<AT_REST>();
         // The change of the total is the sum of its parts, which depend on it.
         let [[_, fixed, _], [_, per_total, _]] = &corrections;
@@ -139,20 +139,20 @@ impl Network {
 
     /// The nodes to start from.
     #[inline(always)]
-    fn begin(&self, around: &Surroundings, nodes: &mut Nodes) {
+    fn begin(&self, boundary: &BoundaryConditions, nodes: &mut Nodes) {
         let least = pair(NO_FLOW);
         let rests = least.above(nodes.supply.abs()) | least.above(nodes.exhaust.abs());
         if rests.any() {
-            self.begin_from_rest(around, nodes);
+            self.begin_from_rest(boundary, nodes);
         }
     }
 
     /// A land that has just opened starts from the flow that its pressures drive: at zero flow a square has no slope
     /// to follow.
     #[inline(never)]
-    fn begin_from_rest(&self, around: &Surroundings, nodes: &mut Nodes) {
-        let supply = Station { exner: pair(self.supply.exner), temperature: self.supply_temperature() };
-        let begin = |flow: Pair, law: &FlowLaw, conductance: Pair, source: &Station<Pair>| {
+    fn begin_from_rest(&self, boundary: &BoundaryConditions, nodes: &mut Nodes) {
+        let supply = GasState { exner: pair(self.supply.exner), temperature: self.supply_temperature() };
+        let begin = |flow: Pair, law: &FlowLaw, conductance: Pair, source: &GasState<Pair>| {
             let square = self
                 .land(law, conductance, &EndState::of(source), &None, &EndState::of(&nodes.stations()))
                 .value;
@@ -161,8 +161,8 @@ impl Network {
             Pair::choose(opens, driven, flow)
         };
         let begun = [
-            begin(nodes.supply, &self.laws.supply, around.valve.supply, &supply),
-            begin(nodes.exhaust, &self.laws.exhaust, around.valve.exhaust, &self.exhausts()),
+            begin(nodes.supply, &self.laws.supply, boundary.valve.supply, &supply),
+            begin(nodes.exhaust, &self.laws.exhaust, boundary.valve.exhaust, &self.exhausts()),
         ];
         [nodes.supply, nodes.exhaust] = begun;
     }
@@ -221,7 +221,7 @@ mod tests {
     /// A network for air, with or without tubes, with or without speeds of approach.
     fn network(tube: bool, approach: bool) -> Network {
         let gas = Gas::new(1.4, 286.76);
-        let station = |pressure, temperature| Station { exner: gas.exner(pressure), temperature };
+        let station = |pressure, temperature| GasState { exner: gas.exner(pressure), temperature };
         let tube = if tube { Tube::empirical(&gas, 0.4, 0.00465) } else { Tube::none() };
         let laws = Laws::alike(FlowLaw::Orifice);
         let port_area = approach.then(|| thesis_valve().port_area());
@@ -249,8 +249,8 @@ mod tests {
             network.tighten(true);
             let exner = Pair::of(|i| network.gas.exner(chambers.lane(i)));
             let valve = thesis_valve().conductances(&network.gas, spool);
-            let (ports, nodes) = network.flowing(valve, Station { exner, temperature });
-            let around = Surroundings::new(valve, Station { exner, temperature }, &ports);
+            let (ports, nodes) = network.flowing(valve, GasState { exner, temperature });
+            let boundary = BoundaryConditions::new(valve, GasState { exner, temperature }, &ports);
             let [exner, supply, exhaust] = [nodes.exner, nodes.supply, nodes.exhaust];
             let begin = Nodes {
                 exner: exner * beside[0],
@@ -258,15 +258,15 @@ mod tests {
                 exhaust: exhaust * beside[2],
                 ..nodes
             };
-            prop_assert!(network.may_be_usual(&around));
+            prop_assert!(network.may_be_usual(&boundary));
             let (mut usual, mut general) = (begin, begin);
             // The second time takes the pressures to the last digits, too.
             for _ in 0..2 {
                 let (outcome, _) = match approach {
-                    false => network.newton_of_usual::<true>(&around, &mut usual, 40),
-                    true => network.newton_of_usual::<false>(&around, &mut usual, 40),
+                    false => network.newton_of_usual::<true>(&boundary, &mut usual, 40),
+                    true => network.newton_of_usual::<false>(&boundary, &mut usual, 40),
                 };
-                let found = network.newton_in_general(&around, &mut general, Slope::Tangent, 40);
+                let found = network.newton_in_general(&boundary, &mut general, Slope::Tangent, 40);
                 prop_assume!(found && matches!(outcome, Outcome::Found));
             }
             let of = |nodes: &Nodes| [nodes.exner, nodes.temperature, nodes.supply, nodes.exhaust];
@@ -279,11 +279,11 @@ mod tests {
 
     impl Network {
         /// The directions of the air in the ports between these, and the flows.
-        fn flowing(&mut self, valve: Conductances<Pair>, chambers: Station<Pair>) -> ([PortFlow; 2], Nodes) {
+        fn flowing(&mut self, valve: Conductances<Pair>, chambers: GasState<Pair>) -> ([PortFlow; 2], Nodes) {
             let mut ports = [PortFlow::Charging; 2];
             let mut nodes = self.nodes;
             for _ in 0..3 {
-                nodes = self.solve_among(&Surroundings::new(valve, chambers, &ports));
+                nodes = self.solve_among(&BoundaryConditions::new(valve, chambers, &ports));
                 let flows = nodes.port_flow().to_array();
                 ports =
                     flows.map(|flow| if flow >= 0.0 { PortFlow::Charging } else { PortFlow::Discharging });

@@ -1,6 +1,6 @@
 //! One node and its flows.
 
-use crate::component::air::Station;
+use crate::component::air::GasState;
 
 /// One node and its flows.
 #[derive(Clone, Copy, Debug)]
@@ -18,8 +18,8 @@ pub struct Node {
 }
 
 impl Node {
-    pub(super) fn station(&self) -> Station {
-        Station { exner: self.exner, temperature: self.temperature }
+    pub(super) fn station(&self) -> GasState {
+        GasState { exner: self.exner, temperature: self.temperature }
     }
 
     pub(super) const NOT_A_NUMBER: Node = Node {

@@ -1,7 +1,7 @@
-//! Both nodes at once, and their surroundings.
+//! Both nodes at once, and their boundary conditions.
 
 use super::{Node, PortFlow};
-use crate::component::air::Station;
+use crate::component::air::GasState;
 use crate::component::valve::Conductances;
 use crate::number::{Number, Pair};
 
@@ -11,11 +11,11 @@ pub(super) fn pair(value: f64) -> Pair {
     Pair::splat(value)
 }
 
-/// The surroundings of the nodes.
+/// The boundary conditions of the nodes: gas states and directions of the flows.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Surroundings {
+pub(crate) struct BoundaryConditions {
     pub valve: Conductances<Pair>,
-    pub chambers: Station<Pair>,
+    pub chambers: GasState<Pair>,
     /// Whether the port's air flows into the cylinder.
     pub charging: <Pair as Number>::Truth,
     /// Whether a land is shut, without even a clearance.
@@ -37,12 +37,16 @@ pub(crate) struct Nodes {
     pub exhaust: Pair,
 }
 
-impl Surroundings {
+impl BoundaryConditions {
     #[inline(always)]
-    pub fn new(valve: Conductances<Pair>, chambers: Station<Pair>, ports: &[PortFlow; 2]) -> Surroundings {
+    pub fn new(
+        valve: Conductances<Pair>,
+        chambers: GasState<Pair>,
+        ports: &[PortFlow; 2],
+    ) -> BoundaryConditions {
         let zero = pair(0.0);
         let open = Pair::all(valve.supply.above(zero) & valve.exhaust.above(zero));
-        Surroundings { valve, chambers, charging: PortFlow::charging(ports), has_shut_land: !open }
+        BoundaryConditions { valve, chambers, charging: PortFlow::charging(ports), has_shut_land: !open }
     }
 
     /// The direction of the air in port `i`.
@@ -102,8 +106,8 @@ impl Nodes {
 
     /// Where their air is.
     #[inline(always)]
-    pub fn stations(&self) -> Station<Pair> {
-        Station { exner: self.exner, temperature: self.temperature }
+    pub fn stations(&self) -> GasState<Pair> {
+        GasState { exner: self.exner, temperature: self.temperature }
     }
 
     /// m, kg/s, into the cylinder.

@@ -1,7 +1,7 @@
 //! The network of a rig.
 
 use super::{Laws, Network, Vessels};
-use crate::component::air::Station;
+use crate::component::air::GasState;
 use crate::component::gas::Gas;
 use crate::component::tubing::{Tube, tubes};
 use crate::component::valve::{Valve, speed_counts};
@@ -31,7 +31,7 @@ impl Network {
     /// The valve's lands and ports between gauges right at them: another pressure (Pa) at the supply port, no tubes.
     /// With a `port_area` (m^2) air approaches at its own speed.
     pub fn without_tubes(rig: &Rig, gas: Gas, supply_pa: f64, port_area: Option<f64>) -> Network {
-        let supply = Station { exner: gas.exner(supply_pa), ..supply::station(rig, &gas) };
+        let supply = GasState { exner: gas.exner(supply_pa), ..supply::station(rig, &gas) };
         let exhaust = exhaust::station(rig, &gas);
         Network::new(gas, supply, exhaust, Tube::none(), Tube::none(), laws(rig), port_area)
             .with_turbulence(rig.get(&keys::valve::TURBULENCE))

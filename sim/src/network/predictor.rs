@@ -5,7 +5,7 @@
 //! than the pressures. A parabola through the last three solutions comes close to the next one and saves an iteration.
 
 use super::Network;
-use super::nodes::{Nodes, Surroundings, pair};
+use super::nodes::{BoundaryConditions, Nodes, pair};
 use crate::number::{Number, Pair};
 
 /// Limit of the extrapolation, as a multiple of the time span of the three solutions.
@@ -30,14 +30,14 @@ impl Predictor {
     /// The solution that the parabola predicts for now, by Newton's divided differences. Without three solutions
     /// close enough, the last one.
     #[inline(always)]
-    pub fn predict(&self, nodes: &Nodes, around: &Surroundings) -> Nodes {
+    pub fn predict(&self, nodes: &Nodes, boundary: &BoundaryConditions) -> Nodes {
         let [last, middle, first] = self.at;
         let (dt, span) = (self.now - last, last - first);
         if dt == 0.0 || last == middle || dt.abs() > MAX_EXTRAPOLATION * span.abs() {
             return *nodes;
         }
         let (rise, fall) = self.weights(dt);
-        let [supply, exhaust] = roots(around);
+        let [supply, exhaust] = roots(boundary);
         let [a, b, c] = &self.solutions;
         let at = |i: usize| a[i] + pair(rise) * (a[i] - b[i]) - pair(fall) * (b[i] - c[i]);
         // A land that is shut stays shut.
@@ -64,7 +64,7 @@ impl Predictor {
     }
 
     #[inline(always)]
-    pub fn note(&mut self, nodes: &Nodes, around: &Surroundings) {
+    pub fn note(&mut self, nodes: &Nodes, boundary: &BoundaryConditions) {
         let Nodes { exner, supply, exhaust, .. } = *nodes;
         if self.now != self.at[0] {
             self.at = [self.now, self.at[0], self.at[1]];
@@ -72,22 +72,22 @@ impl Predictor {
             self.solutions[2] = self.solutions[1];
             self.solutions[1] = self.solutions[0];
         }
-        let roots = roots(around);
+        let roots = roots(boundary);
         self.solutions[0] = [exner, supply / roots[0], exhaust / roots[1]];
     }
 }
 
 /// The roots of the conductances of the lands; above zero where a land is shut.
 #[inline(always)]
-fn roots(around: &Surroundings) -> [Pair; 2] {
-    [around.valve.supply, around.valve.exhaust].map(|land| land.larger(pair(f64::MIN_POSITIVE)).root())
+fn roots(boundary: &BoundaryConditions) -> [Pair; 2] {
+    [boundary.valve.supply, boundary.valve.exhaust].map(|land| land.larger(pair(f64::MIN_POSITIVE)).root())
 }
 
 impl Network {
     /// The nodes in their surroundings at the instant `t`.
     #[inline(always)]
-    pub(crate) fn solve_at(&mut self, t: f64, around: &Surroundings) -> Nodes {
+    pub(crate) fn solve_at(&mut self, t: f64, boundary: &BoundaryConditions) -> Nodes {
         self.predictor.now = t;
-        self.solve_among(around)
+        self.solve_among(boundary)
     }
 }

@@ -19,8 +19,8 @@
 //! m sqrt(m^2 + m_l^2) = K/T psi,   m_l a thousandth of the land's choked flow from its supply or exhaust
 //! ```
 
-use super::nodes::{Nodes, Surroundings};
-use super::{Network, Station};
+use super::nodes::{BoundaryConditions, Nodes};
+use super::{GasState, Network};
 use crate::component::valve::flow_law::FlowLaw;
 
 /// The slope of a square over its flow that Newton's method uses.
@@ -78,20 +78,20 @@ pub(super) fn land_line(conductance: f64, flow: f64, value: f64, creeping: f64, 
 
 impl Network {
     /// m_l^2 of a land beside a shut one, kg^2/s^2.
-    pub(super) fn creeping(&self, law: &FlowLaw, conductance: f64, source: &Station) -> f64 {
+    pub(super) fn creeping(&self, law: &FlowLaw, conductance: f64, source: &GasState) -> f64 {
         let choked = law.flow_function(&self.gas, source.exner, 0.0).value;
         CREEPING * conductance / source.temperature * choked
     }
 
     /// Newton's method: by tangents from the predicted or the last solution, else by secants.
     #[inline(always)]
-    pub(super) fn by_newton(&mut self, around: &Surroundings) -> bool {
-        let mut nodes = self.predictor.predict(&self.nodes, around);
+    pub(super) fn by_newton(&mut self, boundary: &BoundaryConditions) -> bool {
+        let mut nodes = self.predictor.predict(&self.nodes, boundary);
         let found =
-            self.newton(around, &mut nodes, Slope::Tangent) || self.newton_from_last(around, &mut nodes);
+            self.newton(boundary, &mut nodes, Slope::Tangent) || self.newton_from_last(boundary, &mut nodes);
         if found {
             self.nodes = nodes;
-            self.predictor.note(&nodes, around);
+            self.predictor.note(&nodes, boundary);
         }
         found
     }
@@ -99,10 +99,10 @@ impl Network {
     /// The same from the last solution.
     #[cold]
     #[inline(never)]
-    fn newton_from_last(&mut self, around: &Surroundings, nodes: &mut Nodes) -> bool {
+    fn newton_from_last(&mut self, boundary: &BoundaryConditions, nodes: &mut Nodes) -> bool {
         [Slope::Tangent, Slope::Secant].into_iter().any(|slopes| {
             *nodes = self.nodes;
-            self.newton(around, nodes, slopes)
+            self.newton(boundary, nodes, slopes)
         })
     }
 }

@@ -1,7 +1,7 @@
 //! One restriction of the network, or the same restriction of both nodes at once: its squared flow with the slopes
 //! that Newton's method needs, and the approach of the air.
 
-use super::{Network, PortFlow, Station};
+use super::{GasState, Network, PortFlow};
 use crate::component::valve::flow_law::FlowLaw;
 use crate::number::{Number, Pair};
 
@@ -33,7 +33,7 @@ pub(super) struct EndState<N = f64> {
 
 impl<N: Number> EndState<N> {
     #[inline(always)]
-    pub fn of(station: &Station<N>) -> EndState<N> {
+    pub fn of(station: &GasState<N>) -> EndState<N> {
         EndState { exner: station.exner, per_temperature: N::from(1.0) / station.temperature }
     }
 }
@@ -43,7 +43,7 @@ pub(super) type MaybeApproach<N = f64> = Option<Approach<N>>;
 
 /// The air in front of the lands of both nodes, or behind their ports.
 pub(super) struct Side {
-    pub station: Station<Pair>,
+    pub station: GasState<Pair>,
     pub approach: MaybeApproach<Pair>,
     /// Slope of its w over the flow out of the known end.
     pub by_flow: Pair,
@@ -58,7 +58,7 @@ pub(super) fn factor<N: Number>(approach: &MaybeApproach<N>) -> N {
 impl Network {
     /// The approach of the air at a place to a restriction that takes `flow` from it.
     #[inline(always)]
-    pub(super) fn approach<N: Number>(&self, place: &Station<N>, flow: N) -> MaybeApproach<N> {
+    pub(super) fn approach<N: Number>(&self, place: &GasState<N>, flow: N) -> MaybeApproach<N> {
         if self.mach == 0.0 {
             return None;
         }
@@ -80,13 +80,13 @@ impl Network {
 
     /// The approach of the supply's air to a land.
     #[inline(always)]
-    pub(super) fn supply_approach<N: Number>(&self, supply: &Station<N>, flow: N) -> MaybeApproach<N> {
+    pub(super) fn supply_approach<N: Number>(&self, supply: &GasState<N>, flow: N) -> MaybeApproach<N> {
         if self.vessels.supply { None } else { self.approach(supply, flow) }
     }
 
     /// The approach of the cylinder's air to its port.
     #[inline(always)]
-    pub(super) fn port_approach<N: Number>(&self, far: &Station<N>, flow: N) -> MaybeApproach<N> {
+    pub(super) fn port_approach<N: Number>(&self, far: &GasState<N>, flow: N) -> MaybeApproach<N> {
         if self.vessels.chambers { None } else { self.approach(far, flow) }
     }
 
@@ -159,13 +159,13 @@ impl Network {
 
     /// w at the valve's end of a cylinder's tube for a port flow `m` into the cylinder, with the temperature of the
     /// air in port and tube. `charging` is the temperature of the air from the valve, K.
-    pub(super) fn port_station(&self, charging: f64, chamber: &Station, port: PortFlow, m: f64) -> Station {
+    pub(super) fn port_station(&self, charging: f64, chamber: &GasState, port: PortFlow, m: f64) -> GasState {
         let temperature = match port {
             PortFlow::Charging => charging,
             PortFlow::Discharging => chamber.temperature,
         };
-        let known = Station { temperature, ..*chamber };
-        Station { exner: self.cylinder_tube.far_end(&known, -m).exner, temperature }
+        let known = GasState { temperature, ..*chamber };
+        GasState { exner: self.cylinder_tube.far_end(&known, -m).exner, temperature }
     }
 
     /// A flow that a restriction cannot reach, whatever the Mach number of its approach: the end of a bracket, with a

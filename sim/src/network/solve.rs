@@ -1,9 +1,9 @@
 //! Solving the network: Newton's method from the last solution, continuation from rest and brackets where it fails.
 
 use super::mixing::mean_of_inflows;
-use super::nodes::{Nodes, Surroundings};
+use super::nodes::{BoundaryConditions, Nodes};
 use super::{Network, Node, PortFlow};
-use crate::component::air::Station;
+use crate::component::air::GasState;
 use crate::component::valve::{Conductances, Valve};
 use crate::number::Pair;
 
@@ -29,7 +29,7 @@ impl Network {
         &mut self,
         valve: &Valve,
         spool: f64,
-        chambers: &[Station; 2],
+        chambers: &[GasState; 2],
         ports: &[PortFlow; 2],
     ) -> [Node; 2] {
         if let Some(laws) = valve.laws_at(spool) {
@@ -43,34 +43,34 @@ impl Network {
     pub(crate) fn solve(
         &mut self,
         valve: &Conductances<Pair>,
-        chambers: &[Station; 2],
+        chambers: &[GasState; 2],
         ports: &[PortFlow; 2],
     ) -> [Node; 2] {
-        self.solve_among(&Surroundings::new(*valve, Station::both(chambers), ports)).each()
+        self.solve_among(&BoundaryConditions::new(*valve, GasState::both(chambers), ports)).each()
     }
 
     /// The nodes among what surrounds them.
     #[inline(always)]
-    pub(super) fn solve_among(&mut self, around: &Surroundings) -> Nodes {
+    pub(super) fn solve_among(&mut self, boundary: &BoundaryConditions) -> Nodes {
         if self.supply_tube.feels_temperature() {
-            self.solve_returning(around)
+            self.solve_returning(boundary)
         } else {
-            self.solve_once(around)
+            self.solve_once(boundary)
         }
     }
 
     /// The same where air flows back through the supply tube and its temperature matters: it has the temperature of
     /// the nodes.
     #[inline(never)]
-    pub(super) fn solve_returning(&mut self, around: &Surroundings) -> Nodes {
-        let mut nodes = self.solve_once(around);
+    pub(super) fn solve_returning(&mut self, boundary: &BoundaryConditions) -> Nodes {
+        let mut nodes = self.solve_once(boundary);
         for _ in 0..MAX_RETURNING_PASSES {
             let returning = self.returning_temperature(&nodes);
             if (returning - self.returning).abs() <= SAME_TEMPERATURE * self.returning {
                 break;
             }
             self.returning = returning;
-            nodes = self.solve_once(around);
+            nodes = self.solve_once(boundary);
         }
         nodes
     }
@@ -86,21 +86,21 @@ impl Network {
 
     /// The nodes for a given temperature of the air that flows back through the supply tube.
     #[inline(always)]
-    pub(super) fn solve_once(&mut self, around: &Surroundings) -> Nodes {
+    pub(super) fn solve_once(&mut self, boundary: &BoundaryConditions) -> Nodes {
         self.work.solutions += 1;
-        if !around.are_in_order() {
+        if !boundary.are_in_order() {
             return Nodes::NOT_NUMBERS;
         }
         // With air at rest in front of each restriction there is one solution, from any start.
         let has_start = self.started || self.mach == 0.0;
-        if !(has_start && self.by_newton(around)) {
+        if !(has_start && self.by_newton(boundary)) {
             (self.failures, self.found) = (self.failures + 1, 0);
             // With speeds of approach, a trial step that is too large may lead to a place without a solution. It is
             // told so, and the last solution stays intact. Air at rest has a solution everywhere. If it could not be
             // followed, as where chambers are at the pressure of the supply and slopes are infinite, that says
             // nothing about the step.
             let lost = self.mach > 0.0 && !self.far && self.failures < MAX_FAILURES;
-            if lost || !self.by_search(around) {
+            if lost || !self.by_search(boundary) {
                 return Nodes::NOT_NUMBERS;
             }
             self.nodes.carried = self.nodes.temperature;
@@ -111,7 +111,7 @@ impl Network {
         if self.found >= CALM {
             self.failures = 0;
         }
-        if around.valve.port.is_none() {
+        if boundary.valve.port.is_none() {
             self.nodes.carried = self.carried();
         }
         self.nodes
@@ -120,15 +120,15 @@ impl Network {
     /// The solution that grows out of air at rest. Where it cannot be followed: nested brackets, refined by Newton's
     /// method. Returns false if they find nothing.
     #[inline(never)]
-    pub(super) fn by_search(&mut self, around: &Surroundings) -> bool {
+    pub(super) fn by_search(&mut self, boundary: &BoundaryConditions) -> bool {
         let last = self.nodes;
-        if self.continue_from_rest(around) {
+        if self.continue_from_rest(boundary) {
             return true;
         }
         self.work.bracketed += 1;
-        let rests = self.by_brackets(around);
+        let rests = self.by_brackets(boundary);
         // Where Newton's method fails again, the result of the brackets stands.
-        let found = self.by_newton(around) || (rests && self.nodes.are_finite());
+        let found = self.by_newton(boundary) || (rests && self.nodes.are_finite());
         if !found {
             self.nodes = last;
         }

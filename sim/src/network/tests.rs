@@ -5,7 +5,7 @@ use crate::component::valve::thesis_valve;
 
 pub(super) fn network_with(tube: bool, approach: bool) -> (Gas, Network) {
     let gas = Gas::new(1.4, 286.76);
-    let station = |pressure| Station { exner: gas.exner(pressure), temperature: 294.0 };
+    let station = |pressure| GasState { exner: gas.exner(pressure), temperature: 294.0 };
     let tube = if tube { Tube::empirical(&gas, 0.4, 0.00465) } else { Tube::none() };
     let port_area = approach.then(|| thesis_valve().port_area());
     (
@@ -26,8 +26,8 @@ fn network(tube: bool) -> (Gas, Network) {
     network_with(tube, false)
 }
 
-pub(super) fn chambers(gas: &Gas, p1: f64, p2: f64) -> [Station; 2] {
-    [p1, p2].map(|p| Station { exner: gas.exner(p), temperature: 294.0 })
+pub(super) fn chambers(gas: &Gas, p1: f64, p2: f64) -> [GasState; 2] {
+    [p1, p2].map(|p| GasState { exner: gas.exner(p), temperature: 294.0 })
 }
 
 /// The reference transients start here: their first row has these flows.
@@ -56,7 +56,11 @@ fn newton_and_brackets_agree_everywhere() {
                         if n.port_flow() >= 0.0 { PortFlow::Charging } else { PortFlow::Discharging }
                     });
                 }
-                assert!(brackets.by_brackets(&Surroundings::new(valve, Station::both(&chambers), &ports)));
+                assert!(brackets.by_brackets(&BoundaryConditions::new(
+                    valve,
+                    GasState::both(&chambers),
+                    &ports
+                )));
                 for (a, b) in newton.nodes.each().iter().zip(&brackets.nodes.each()) {
                     let what =
                         format!("tube {tube}, approach {approach}, x {spool}, P {p1} {p2}: {a:?} {b:?}");
@@ -104,7 +108,7 @@ fn a_state_that_is_no_number_does_not_spoil_the_next_solution() {
     let good = chambers(&gas, 325e3, 400e3);
     let before = network.solve(&valve, &good, &ports)[0].port_flow();
     for exner in [f64::NAN, -1.0, f64::INFINITY] {
-        let bad = [Station { exner, temperature: 294.0 }; 2];
+        let bad = [GasState { exner, temperature: 294.0 }; 2];
         network.solve(&valve, &bad, &ports);
         let after = network.solve(&valve, &good, &ports)[0].port_flow();
         assert!((after - before).abs() < 1e-15, "{exner}: {after} {before}");
@@ -131,7 +135,7 @@ fn a_warm_start_needs_few_iterations() {
 fn approaching_air_raises_the_flow_as_far_as_the_audit_says() {
     let flow = |approach: bool, spool: f64, p1: f64| {
         let (gas, template) = network_with(false, approach);
-        let supply = Station { exner: gas.exner(317e3), temperature: 294.0 };
+        let supply = GasState { exner: gas.exner(317e3), temperature: 294.0 };
         let mut network = Network { supply, ..template };
         let valve = thesis_valve().conductances(&gas, spool);
         let chambers = chambers(&gas, p1, p1);

@@ -19,10 +19,10 @@ mod approach;
 mod elimination;
 mod lines;
 
-use super::nodes::{Nodes, Surroundings, pair};
+use super::nodes::{BoundaryConditions, Nodes, pair};
 use super::settling::{ARRIVED, NO_FLOW, SMALLEST};
 use super::{FLOW_ERROR, Network};
-use crate::component::air::Station;
+use crate::component::air::GasState;
 use crate::component::gas::Gas;
 use crate::number::{Number, Pair};
 use approach::Approach;
@@ -41,8 +41,8 @@ pub(super) enum Outcome {
 /// The constants of one solution.
 struct Known<'a> {
     gas: &'a Gas,
-    supply: &'a Station,
-    chambers: &'a Station<Pair>,
+    supply: &'a GasState,
+    chambers: &'a GasState<Pair>,
     /// w of the exhaust.
     outside: f64,
     /// d ln w/d mdot of the supply's tube and of the cylinder's, s/kg.
@@ -78,11 +78,11 @@ impl Network {
     #[inline(always)]
     pub(super) fn newton_of_usual<const AT_REST: bool>(
         &self,
-        around: &Surroundings,
+        boundary: &BoundaryConditions,
         nodes: &mut Nodes,
         most: u32,
     ) -> (Outcome, u32) {
-        let Some(known) = self.known(around) else { return (Outcome::Unusual, 0) };
+        let Some(known) = self.known(boundary) else { return (Outcome::Unusual, 0) };
         let error = pair(if self.tight { FLOW_ERROR } else { self.flow_error });
         let mut at = Unknowns { exner: nodes.exner, supply: nodes.supply, exhaust: nodes.exhaust };
         let (mut outcome, mut corrections) = (Outcome::Lost, 0);
@@ -106,22 +106,22 @@ impl Network {
 
     /// None if the flows cannot have the usual pattern.
     #[inline(always)]
-    fn known<'a>(&'a self, around: &'a Surroundings) -> Option<Known<'a>> {
+    fn known<'a>(&'a self, boundary: &'a BoundaryConditions) -> Option<Known<'a>> {
         let at_sound = 0.5 * (self.gas.heat_capacity_ratio - 1.0) * self.turbulence_squared;
         let speed = |rests: bool| pair(if rests { 0.0 } else { at_sound * self.mach });
         Some(Known {
             gas: &self.gas,
             supply: &self.supply,
-            chambers: &around.chambers,
+            chambers: &boundary.chambers,
             outside: self.exhaust.exner,
             decays: [self.supply_tube.decay()?, self.cylinder_tube.decay()?],
-            supply_land: around.valve.supply * pair(self.per_supply_temperature),
-            exhaust_land: around.valve.exhaust,
-            port: around.valve.port?,
-            charging: around.charging,
+            supply_land: boundary.valve.supply * pair(self.per_supply_temperature),
+            exhaust_land: boundary.valve.exhaust,
+            port: boundary.valve.port?,
+            charging: boundary.charging,
             speeds: [
                 speed(self.vessels.supply) * self.supply_temperature(),
-                speed(self.vessels.chambers) * around.chambers.temperature,
+                speed(self.vessels.chambers) * boundary.chambers.temperature,
             ],
             at_sound: pair(at_sound),
         })

@@ -1,7 +1,7 @@
 //! The accuracy of an integration, and the accuracy that a run of a rig needs.
 
 use crate::component::controller::Loop;
-use crate::component::operator::Model;
+use crate::component::operator::OperatorKind;
 use crate::keys;
 use crate::values::Rig;
 use pneudrive_solver::Method;
@@ -39,7 +39,7 @@ impl Accuracy {
     #[must_use]
     pub fn of_motion(rig: &Rig) -> Accuracy {
         match rig.get(&keys::operator::MODEL) {
-            Model::Stepper => Accuracy { tolerance: 3e-8, ..Accuracy::default() },
+            OperatorKind::Stepper => Accuracy { tolerance: 3e-8, ..Accuracy::default() },
             _ => Accuracy::default(),
         }
     }

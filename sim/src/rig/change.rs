@@ -2,7 +2,7 @@
 
 use super::problem::{Problem, Problems};
 use super::table::find_key;
-use crate::component::controller::Model;
+use crate::component::controller::ControllerKind;
 use crate::key::{Choice, Kind};
 use crate::keys;
 use crate::values::{Rig, Value};
@@ -78,7 +78,7 @@ impl Rig {
     #[must_use]
     pub fn on_bench(&self) -> Rig {
         let mut rig = self.without_events();
-        rig.put(keys::controller::MODEL.path, Some(Value::Word(Model::Sampled.word().to_owned())));
+        rig.put(keys::controller::MODEL.path, Some(Value::Word(ControllerKind::Sampled.word().to_owned())));
         rig.put(keys::controller::START_S.path, Some(Value::Number(0.0)));
         rig
     }

@@ -6,7 +6,7 @@ use pneudrive_controller::config::ConfigError;
 use pneudrive_controller::parameters::lookup;
 
 use crate::component::actuator::Actuator;
-use crate::component::controller::{Law, Loop, Model};
+use crate::component::controller::{ControllerKind, Law, Loop};
 use crate::component::load::Load;
 use crate::component::tubing::speed_outweighs_supply_tube;
 use crate::component::{actuator, controller, encoder, faults, friction, operator, sensors, valve};
@@ -83,7 +83,7 @@ fn check_operator(rig: &Rig, findings: &mut Findings) {
 
 /// What the continuous controller cannot drive.
 fn check_continuous(rig: &Rig, findings: &mut Findings) {
-    if rig.get(&keys::controller::MODEL) != Model::Continuous {
+    if rig.get(&keys::controller::MODEL) != ControllerKind::Continuous {
         return;
     }
     let is_above_0 = |key: &Typed<i64>| rig.get(key) > 0;

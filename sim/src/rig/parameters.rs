@@ -8,7 +8,7 @@ use pneudrive_controller::parameters::{Form, PROFILE_LEN, RigKey, TABLE, id};
 
 use crate::component::controller::{Law, Loop};
 use crate::component::encoder::{self, pulse};
-use crate::component::operator::Model;
+use crate::component::operator::OperatorKind;
 use crate::key::Key;
 use crate::keys;
 use crate::values::{Rig, Value};
@@ -141,7 +141,7 @@ impl Rig {
         [
             (id::ENCODER_PM_PER_COUNT, (encoder::mm_per_count(self) * 1e9).round() as i32),
             (id::ENCODER_ZERO_COUNTS, encoder::zero_counts(self)),
-            (id::STEPPER, i32::from(self.get(&keys::operator::MODEL) == Model::Stepper)),
+            (id::STEPPER, i32::from(self.get(&keys::operator::MODEL) == OperatorKind::Stepper)),
         ]
     }
 

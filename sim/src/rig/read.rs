@@ -7,7 +7,7 @@ use super::reader::{Noted, Reader};
 use super::table::{find_key, preset_value, presets};
 use super::value::{item_of, value_of};
 use crate::component::controller::Law;
-use crate::component::operator::Model;
+use crate::component::operator::OperatorKind;
 use crate::keys;
 use crate::values::{Findings, Rig, Value};
 
@@ -69,7 +69,7 @@ impl Rig {
             (&keys::controller::DEAD_ZONE_COUNTS, 4),
             (&keys::controller::HOMING_COMMAND_COUNTS, -4),
         ];
-        let stepper = self.get(&keys::operator::MODEL) == Model::Stepper;
+        let stepper = self.get(&keys::operator::MODEL) == OperatorKind::Stepper;
         for (key, value) in of_stepper {
             if !self.is_set(key) {
                 self.put(

@@ -1,7 +1,7 @@
 //! Rig files: what is accepted, and what every refusal says.
 
 use super::*;
-use crate::component::tubing::Model;
+use crate::component::tubing::TubingKind;
 use crate::keys;
 use pneudrive_controller::Parameters;
 use pneudrive_controller::choice::Law;
@@ -174,7 +174,7 @@ fn settings_of_the_command_line_count_like_lines_of_the_file() {
     let settings =
         ["load.mass_kg=2.5".to_owned(), "tubing.model=none".to_owned(), "test.moves=[[0.0, 5]]".to_owned()];
     let rig = Rig::read_with("servo-b", "", &settings).expect("valid");
-    assert_eq!((rig.get(&keys::load::MASS_KG), rig.get(&keys::tubing::MODEL)), (2.5, Model::None));
+    assert_eq!((rig.get(&keys::load::MASS_KG), rig.get(&keys::tubing::MODEL)), (2.5, TubingKind::None));
     assert_eq!(rig.moves(), [(0.0, 5)]);
     for (setting, expected) in [
         ("load.mass_kg", "--set: load.mass_kg: write key=value"),

@@ -66,7 +66,7 @@ fn check_profiles(rig: &Rig, planned: &[Planned], findings: &mut Findings) {
         check_forced_exit(rig, planned, findings);
     }
     if planned.iter().any(|one| one.samples() > 0)
-        && rig.get(&controller::keys::MODEL) != controller::Model::Sampled
+        && rig.get(&controller::keys::MODEL) != controller::ControllerKind::Sampled
     {
         findings.note(
             key,

@@ -12,7 +12,7 @@ const TOLERANCE: u64 = 3;
 
 /// Which figures are off their table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Off {
+pub enum OffTable {
     /// Larger ones and smaller ones.
     EitherWay,
     /// Larger ones: a smaller one is welcome.
@@ -73,19 +73,19 @@ pub fn write(document: Document, name: &str, table: &str) -> Result<()> {
 ///
 /// # Errors
 /// When one is off by more than 3 %, or the tables differ in form; with the remedy.
-pub fn hold(document: Document, name: &str, table: &str, off: Off) -> Result<()> {
+pub fn hold(document: Document, name: &str, table: &str, off: OffTable) -> Result<()> {
     let advice = format!("if that is meant, write the tables anew: {}", document.command);
     compare(&lines(document, name)?, table, off)
         .with_context(|| format!("table {name} of {}; {advice}", document.path))
 }
 
-fn compare(written: &str, measured: &str, off: Off) -> Result<()> {
+fn compare(written: &str, measured: &str, off: OffTable) -> Result<()> {
     ensure!(numbers(written).len() == numbers(measured).len(), "the tables have not the same figures");
     for (old, new) in written.lines().zip(measured.lines()) {
         for (written, measured) in numbers(old).into_iter().zip(numbers(new)) {
             let by = match off {
-                Off::EitherWay => written.abs_diff(measured),
-                Off::Above => measured.saturating_sub(written),
+                OffTable::EitherWay => written.abs_diff(measured),
+                OffTable::Above => measured.saturating_sub(written),
             };
             ensure!(by * 100 <= TOLERANCE * written, "it says {written}, and it is {measured}, in {new}");
         }
@@ -116,22 +116,23 @@ mod tests {
     #[test]
     fn figures_may_be_off_by_three_per_cent() {
         let compared = |measured, off| compare("| a | 100 |", measured, off);
-        assert!(compared("| a | 103 |", Off::EitherWay).is_ok());
+        assert!(compared("| a | 103 |", OffTable::EitherWay).is_ok());
         for measured in ["| a | 104 |", "| a | 96 |", "| a | 100 / 100 |"] {
-            assert!(compared(measured, Off::EitherWay).is_err(), "{measured}");
+            assert!(compared(measured, OffTable::EitherWay).is_err(), "{measured}");
         }
     }
 
     #[test]
     fn where_less_is_welcome_only_more_is_off() {
-        let compared = |measured| compare("| a | 100 |", measured, Off::Above);
+        let compared = |measured| compare("| a | 100 |", measured, OffTable::Above);
         assert!(compared("| a | 50 |").is_ok() && compared("| a | 103 |").is_ok());
         assert!(compared("| a | 104 |").is_err() && compared("| a | 50 / 50 |").is_err());
     }
 
     #[test]
     fn a_figure_that_is_off_says_where_and_what_to_do() {
-        let error = hold(SPEED, "instructions", "| servo-a | 1 |\n", Off::Above).expect_err("other figures");
+        let error =
+            hold(SPEED, "instructions", "| servo-a | 1 |\n", OffTable::Above).expect_err("other figures");
         let said = format!("{error:#}");
         assert!(
             said.contains("instructions of docs/counts.md") && said.contains("cargo xtask cost"),

@@ -145,7 +145,7 @@ mod tests {
         for (network, host) in [
             ("fn of(m: Model) -> bool { matches!(m, Model::Plain | Model::Other) }", ""),
             ("fn of(word: &str) -> bool { [\"plain-bore\"].contains(&word) }", ""),
-            ("", "fn of(m: valve::Model) -> bool { m == valve::Model::Plain }"),
+            ("", "fn of(m: valve::ValveKind) -> bool { m == valve::ValveKind::Plain }"),
             ("", "const SETTING: &str = \"valve.model=plain-bore\";"),
         ] {
             let found = found(network, host);

@@ -26,7 +26,7 @@ pub enum ChangeError {
 
 /// Why the parameters were not stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum SaveRefused {
+pub enum SaveRefusal {
     /// Not now.
     NotNow(Refusal),
     /// The flash did not take them.
@@ -98,10 +98,10 @@ impl<R: BorrowMut<Recorder>> Control<R> {
     ///
     /// # Errors
     /// When the drive is enabled, or the flash does not take them.
-    pub fn save_parameters(&mut self, board: &mut impl Board) -> Result<(), SaveRefused> {
-        self.must_be_disarmed().map_err(SaveRefused::NotNow)?;
-        self.spool_must_be_at_null().map_err(SaveRefused::NotNow)?;
-        self.configuration.save(board.store()).map_err(|NotStored| SaveRefused::NotStored)
+    pub fn save_parameters(&mut self, board: &mut impl Board) -> Result<(), SaveRefusal> {
+        self.must_be_disarmed().map_err(SaveRefusal::NotNow)?;
+        self.spool_must_be_at_null().map_err(SaveRefusal::NotNow)?;
+        self.configuration.save(board.store()).map_err(|NotStored| SaveRefusal::NotStored)
     }
 
     pub(super) fn put_test(&mut self, test: Test) {

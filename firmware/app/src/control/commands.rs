@@ -10,7 +10,7 @@ use pneudrive_protocol::session::NOBODY;
 use super::Control;
 use crate::board::Board;
 use crate::configuration::Prepared;
-use crate::ownership::{Asker, Ownership};
+use crate::ownership::{Ownership, Requester};
 use crate::recorder::Recorder;
 
 impl<R: BorrowMut<Recorder>> Control<R> {
@@ -22,7 +22,7 @@ impl<R: BorrowMut<Recorder>> Control<R> {
     /// The controller's refusal, or the refusal of a drive whose stored configuration is lost.
     pub fn arm(&mut self, board: &mut impl Board) -> Result<(), Refusal> {
         let learned = self.learned_parameters().and_then(|learned| Prepared::of(learned).ok());
-        let by = Asker { session: NOBODY, host: "", sequence: None };
+        let by = Requester { session: NOBODY, host: "", sequence: None };
         self.arm_with(learned.as_ref(), &by, board)
     }
 
@@ -34,7 +34,7 @@ impl<R: BorrowMut<Recorder>> Control<R> {
     pub fn arm_with(
         &mut self,
         learned: Option<&Prepared>,
-        by: &Asker<'_>,
+        by: &Requester<'_>,
         board: &mut impl Board,
     ) -> Result<(), Refusal> {
         if self.configuration.is_lost() {

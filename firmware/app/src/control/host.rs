@@ -7,7 +7,7 @@ use pneudrive_protocol::{Owner, Presence};
 
 use super::Control;
 use crate::board::Board;
-use crate::ownership::{Asker, Need, Ownership};
+use crate::ownership::{Need, Ownership, Requester};
 use crate::recorder::Recorder;
 
 impl<R: BorrowMut<Recorder>> Control<R> {
@@ -94,7 +94,7 @@ impl<R: BorrowMut<Recorder>> Control<R> {
     ///
     /// # Errors
     /// When the drive is not enabled.
-    pub fn take_over(&mut self, by: &Asker<'_>, board: &impl Board) -> Result<(), Refusal> {
+    pub fn take_over(&mut self, by: &Requester<'_>, board: &impl Board) -> Result<(), Refusal> {
         if !self.state.supervisor.drives() {
             return Err(Refusal::NotArmed);
         }

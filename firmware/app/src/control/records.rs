@@ -13,9 +13,9 @@ use crate::board::Board;
 use crate::configuration::Prepared;
 use crate::lamp;
 use crate::move_records::MoveRecord;
-use crate::ownership::Asker;
+use crate::ownership::Requester;
 use crate::recorder::Recorder;
-use crate::selector::{Phase, Taken};
+use crate::selector::{InputEvents, Phase};
 
 /// The inputs' name as an owner.
 const NAME: &str = "digital inputs";
@@ -44,7 +44,7 @@ impl<R: BorrowMut<Recorder>> Control<R> {
     }
 
     /// Whether a start has settled that is to begin something.
-    fn heed_start(&mut self, taken: &Taken) -> bool {
+    fn heed_start(&mut self, taken: &InputEvents) -> bool {
         if self.state.supervisor.moves() {
             return false;
         }
@@ -131,7 +131,7 @@ impl<R: BorrowMut<Recorder>> Control<R> {
         if let Some(record) = record {
             self.test.become_record(number, record.next);
         }
-        let by = Asker { session: session::INPUTS, host: NAME, sequence: None };
+        let by = Requester { session: session::INPUTS, host: NAME, sequence: None };
         self.arm_with(learned, &by, board).map_err(code)?;
         self.selector.phase = match record {
             None => {

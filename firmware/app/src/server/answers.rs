@@ -6,7 +6,7 @@ use pneudrive_controller::sequencer::Arrival;
 use pneudrive_controller::{Mode, Parameters};
 use pneudrive_protocol::{
     self as protocol, CHUNK_SAMPLES, ConfigState, Event, MAX_EVENTS, MAX_TOLD_MOVES, MAX_VALUES, Motion,
-    Owner, ProfiledMove, RecordInfo, RecordedSample, Refused, ReplyBody, Status, VERSION, Values,
+    Owner, ProfiledMove, RecordInfo, RecordedSample, ReplyBody, RequestRefusal, Status, VERSION, Values,
 };
 
 use super::{FIRMWARE, Scratch};
@@ -133,13 +133,13 @@ pub(super) fn config<'a>(
     let slots = room.as_chunks_mut().0.get_mut(..usize::from(end - first_id)).unwrap_or_default();
     for (first, slots) in (first_id..).step_by(VALUES_AT_ONCE).zip(slots.chunks_mut(VALUES_AT_ONCE)) {
         if let Err(id) = drive.lock(|control, _| read(control.parameters(), first, slots)) {
-            return ReplyBody::Refused(Refused::UnknownParameter { id });
+            return ReplyBody::Refused(RequestRefusal::UnknownParameter { id });
         }
     }
     let bytes = room.get(..4 * usize::from(end - first_id));
     match bytes.and_then(Values::new) {
         Some(values) => ReplyBody::Config { first_id, values },
-        None => ReplyBody::Refused(Refused::UnknownParameter { id: first_id }),
+        None => ReplyBody::Refused(RequestRefusal::UnknownParameter { id: first_id }),
     }
 }
 
@@ -233,12 +233,12 @@ pub(super) fn chunk<'a>(
     drive.lock(|control, _| {
         let recorder: &Recorder = control.recorder.borrow();
         if recorder.is_empty() {
-            return ReplyBody::Refused(Refused::NoRecord);
+            return ReplyBody::Refused(RequestRefusal::NoRecord);
         }
         let samples = recorder.len() as u32;
         let end = first.saturating_add(u32::from(count).min(CHUNK_SAMPLES as u32));
         if count == 0 || end > samples {
-            return ReplyBody::Refused(Refused::RecordRange { samples });
+            return ReplyBody::Refused(RequestRefusal::RecordRange { samples });
         }
         let mut bytes = 0;
         for (slot, i) in room.chunks_exact_mut(RecordedSample::BYTES).zip(first..end) {

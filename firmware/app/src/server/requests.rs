@@ -5,7 +5,7 @@ use core::borrow::BorrowMut;
 use pneudrive_controller::parameters::SetError;
 use pneudrive_controller::sequencer::SequenceError;
 use pneudrive_controller::{Fault, Mode, Refusal};
-use pneudrive_protocol::{Refused, ReplyBody, Request, RequestBody, Values, code};
+use pneudrive_protocol::{ReplyBody, Request, RequestBody, RequestRefusal, Values, code};
 
 use super::answers::{
     chunk, config, config_state, digest, events, info, kept, motion, move_records, record_info, status, test,
@@ -14,10 +14,10 @@ use super::{Scratch, Talk};
 use crate::board::Board;
 use crate::change::{NotWhole, Parts};
 use crate::configuration::Prepared;
-use crate::control::{ChangeError, Control, SaveRefused, TakeError};
-use crate::ownership::{Asker, Need};
+use crate::control::{ChangeError, Control, SaveRefusal, TakeError};
+use crate::duplicate_filter::counts_in_any_boot;
+use crate::ownership::{Need, Requester};
 use crate::recorder::Recorder;
-use crate::repetition::counts_in_any_boot;
 use crate::shared_drive::SharedDrive;
 use crate::store::Store;
 
@@ -30,12 +30,12 @@ pub(super) fn carry_out<'a>(
     scratch: &'a mut Scratch,
 ) -> ReplyBody<'a> {
     let Request { sequence, session, body, .. } = *request;
-    let by = |host| Asker { session, host, sequence: Some(sequence) };
+    let by = |host| Requester { session, host, sequence: Some(sequence) };
     match drive.lock(|control, board| admission(request, control, board)) {
-        Admission::OtherBoot { number } => return ReplyBody::Refused(Refused::OtherBoot { number }),
+        Admission::OtherBoot { number } => return ReplyBody::Refused(RequestRefusal::OtherBoot { number }),
         Admission::Owned => {
             return drive.lock(|control, board| {
-                ReplyBody::Refused(Refused::Owned(kept(control.owner(board), scratch)))
+                ReplyBody::Refused(RequestRefusal::Owned(kept(control.owner(board), scratch)))
             });
         }
         Admission::Granted => {}
@@ -73,7 +73,7 @@ pub(super) fn carry_out<'a>(
             drive.lock(|control, _| done(control.reference(position_counts).map_err(not_now)))
         }
         RequestBody::ChangePart { crc32, first, part } => {
-            done(talk.change.add(crc32, first, part).map_err(|NotWhole| Refused::ChangeNotWhole))
+            done(talk.change.add(crc32, first, part).map_err(|NotWhole| RequestRefusal::ChangeNotWhole))
         }
         RequestBody::ChangeTake { crc32 } => take(drive, &mut talk.change, crc32),
         RequestBody::Home => drive.lock(|control, board| done(home(control, board))),
@@ -101,14 +101,14 @@ pub(super) fn carry_out<'a>(
         }),
         RequestBody::IoSet { inputs } => drive.lock(|_, board| match board.emulate_inputs(inputs) {
             true => ReplyBody::Done,
-            false => ReplyBody::Refused(Refused::NotNow(code::INPUTS_ARE_PINS)),
+            false => ReplyBody::Refused(RequestRefusal::NotNow(code::INPUTS_ARE_PINS)),
         }),
         RequestBody::TryWatchdog => drive.lock(|control, board| done(try_watchdog(control, board))),
         RequestBody::RecordInfo => record_info(drive, scratch),
         RequestBody::RecordRead { crc32, first, count } => {
             match drive.lock(|control, _| digest(control, 0)) {
                 Some(crc) if crc == crc32 => chunk(drive, first, count, scratch),
-                _ => ReplyBody::Refused(Refused::OtherRecord),
+                _ => ReplyBody::Refused(RequestRefusal::OtherRecord),
             }
         }
         RequestBody::StreamBegin { every, batch } => {
@@ -151,7 +151,7 @@ fn admission<R: BorrowMut<Recorder>>(
 
 /// Arms. The learned null offset of the last run is prepared while the control goes on: a holding drive may be armed
 /// again.
-fn arm<'a>(drive: &mut impl SharedDrive, by: &Asker<'_>) -> ReplyBody<'a> {
+fn arm<'a>(drive: &mut impl SharedDrive, by: &Requester<'_>) -> ReplyBody<'a> {
     let learned = drive.lock(|control, _| control.learned_parameters());
     let learned = learned.and_then(|learned| Prepared::of(learned).ok());
     drive.lock(|control, board| done(control.arm_with(learned.as_ref(), by, board).map_err(not_now)))
@@ -162,11 +162,11 @@ fn start<'a>(
     control: &mut Control<impl BorrowMut<Recorder>>,
     board: &mut impl Board,
     crc32: u32,
-) -> Result<(), Refused<'a>> {
+) -> Result<(), RequestRefusal<'a>> {
     must_not_have_lapsed(control)?;
     let (mode, test) = (control.state().supervisor.mode(), control.test());
     if mode == Mode::Armed && !test.sequence().moves().is_empty() && !control.is_named(crc32) {
-        return Err(Refused::OtherTest);
+        return Err(RequestRefusal::OtherTest);
     }
     control.start(board).map_err(not_now)
 }
@@ -174,7 +174,7 @@ fn start<'a>(
 fn home<'a>(
     control: &mut Control<impl BorrowMut<Recorder>>,
     board: &mut impl Board,
-) -> Result<(), Refused<'a>> {
+) -> Result<(), RequestRefusal<'a>> {
     must_not_have_lapsed(control)?;
     control.home(board).map_err(not_now)
 }
@@ -182,20 +182,20 @@ fn home<'a>(
 fn try_watchdog<'a>(
     control: &mut Control<impl BorrowMut<Recorder>>,
     board: &impl Board,
-) -> Result<(), Refused<'a>> {
+) -> Result<(), RequestRefusal<'a>> {
     match control.state().supervisor.mode() {
-        _ if !board.has_watchdog() => Err(Refused::NotNow(code::NO_WATCHDOG)),
+        _ if !board.has_watchdog() => Err(RequestRefusal::NotNow(code::NO_WATCHDOG)),
         Mode::Disarmed => {
             control.trip(Fault::WatchdogTried);
             Ok(())
         }
-        Mode::Fault(_) => Err(Refused::NotNow(code::IN_FAULT)),
+        Mode::Fault(_) => Err(RequestRefusal::NotNow(code::IN_FAULT)),
         _ => Err(not_now(Refusal::NotDisarmed)),
     }
 }
 
-fn must_not_have_lapsed<'a, R: BorrowMut<Recorder>>(control: &Control<R>) -> Result<(), Refused<'a>> {
-    if control.owner_was_silent() { Err(Refused::NotNow(code::HOST_WAS_SILENT)) } else { Ok(()) }
+fn must_not_have_lapsed<'a, R: BorrowMut<Recorder>>(control: &Control<R>) -> Result<(), RequestRefusal<'a>> {
+    if control.owner_was_silent() { Err(RequestRefusal::NotNow(code::HOST_WAS_SILENT)) } else { Ok(()) }
 }
 
 fn set<'a>(
@@ -212,10 +212,10 @@ fn set<'a>(
 fn save<'a>(
     control: &mut Control<impl BorrowMut<Recorder>>,
     board: &mut impl Board,
-) -> Result<(), Refused<'a>> {
+) -> Result<(), RequestRefusal<'a>> {
     control.save_parameters(board).map_err(|refused| match refused {
-        SaveRefused::NotNow(refusal) => not_now(refusal),
-        SaveRefused::NotStored => Refused::NotStored,
+        SaveRefusal::NotNow(refusal) => not_now(refusal),
+        SaveRefusal::NotStored => RequestRefusal::NotStored,
     })
 }
 
@@ -223,7 +223,7 @@ fn save<'a>(
 fn take<'a>(drive: &mut impl SharedDrive, parts: &mut Parts, crc32: u32) -> ReplyBody<'a> {
     let taken = match parts.whole(crc32) {
         Ok(change) => drive.lock(|control, _| control.take_change(change).map_err(take_refused)),
-        Err(NotWhole) => Err(Refused::ChangeNotWhole),
+        Err(NotWhole) => Err(RequestRefusal::ChangeNotWhole),
     };
     if taken.is_ok() {
         parts.clear();
@@ -231,34 +231,34 @@ fn take<'a>(drive: &mut impl SharedDrive, parts: &mut Parts, crc32: u32) -> Repl
     done(taken)
 }
 
-fn take_refused<'a>(error: TakeError) -> Refused<'a> {
+fn take_refused<'a>(error: TakeError) -> RequestRefusal<'a> {
     match error {
         TakeError::Refused(refusal) => not_now(refusal),
         TakeError::Value { id, value, error } => change_refused(id, value, ChangeError::Value(error)),
-        TakeError::Inconsistent(error) => Refused::Inconsistent { advice: error.advice() },
-        TakeError::Sequence(SequenceError::Full) => Refused::TooManyMoves,
-        TakeError::Sequence(SequenceError::OutOfOrder) => Refused::MovesOutOfOrder,
-        TakeError::TooLong => Refused::TestTooLong,
-        TakeError::Malformed => Refused::Unknown,
+        TakeError::Inconsistent(error) => RequestRefusal::Inconsistent { advice: error.advice() },
+        TakeError::Sequence(SequenceError::Full) => RequestRefusal::TooManyMoves,
+        TakeError::Sequence(SequenceError::OutOfOrder) => RequestRefusal::MovesOutOfOrder,
+        TakeError::TooLong => RequestRefusal::TestTooLong,
+        TakeError::Malformed => RequestRefusal::Unknown,
     }
 }
 
-fn done<'a>(result: Result<(), Refused<'a>>) -> ReplyBody<'a> {
+fn done<'a>(result: Result<(), RequestRefusal<'a>>) -> ReplyBody<'a> {
     match result {
         Ok(()) => ReplyBody::Done,
         Err(refused) => ReplyBody::Refused(refused),
     }
 }
 
-fn not_now<'a>(refusal: Refusal) -> Refused<'a> {
-    Refused::NotNow(refusal.code())
+fn not_now<'a>(refusal: Refusal) -> RequestRefusal<'a> {
+    RequestRefusal::NotNow(refusal.code())
 }
 
-fn change_refused<'a>(id: u16, value: i32, error: ChangeError) -> Refused<'a> {
+fn change_refused<'a>(id: u16, value: i32, error: ChangeError) -> RequestRefusal<'a> {
     match error {
         ChangeError::Refused(refusal) => not_now(refusal),
-        ChangeError::Value(SetError::UnknownId) => Refused::UnknownParameter { id },
-        ChangeError::Value(SetError::OutOfRange) => Refused::OutOfRange { id, value },
-        ChangeError::Inconsistent(error) => Refused::Inconsistent { advice: error.advice() },
+        ChangeError::Value(SetError::UnknownId) => RequestRefusal::UnknownParameter { id },
+        ChangeError::Value(SetError::OutOfRange) => RequestRefusal::OutOfRange { id, value },
+        ChangeError::Inconsistent(error) => RequestRefusal::Inconsistent { advice: error.advice() },
     }
 }

@@ -5,8 +5,8 @@ use pneudrive_app::{App, Board};
 use pneudrive_controller::{Command, Config, Mode, Refusal, Sample};
 use pneudrive_protocol::change::{Entry, PART_BYTES, start_crc32};
 use pneudrive_protocol::{
-    Accumulator, CHUNK_SAMPLES, MAX_FRAME, RecordCrc, RecordedSample, Refused, ReplyBody, Request,
-    RequestBody, decode_reply, encode, frame,
+    Accumulator, CHUNK_SAMPLES, MAX_FRAME, RecordCrc, RecordedSample, ReplyBody, Request, RequestBody,
+    RequestRefusal, decode_reply, encode, frame,
 };
 
 /// The session of the host, unless a test says otherwise.
@@ -77,7 +77,7 @@ impl Board for FakeBoard {
     }
 }
 
-pub struct Bench {
+pub struct AppBench {
     pub app: Box<App>,
     pub board: FakeBoard,
     pub sequence: u16,
@@ -87,9 +87,9 @@ pub struct Bench {
     pub boot: u32,
 }
 
-impl Default for Bench {
+impl Default for AppBench {
     fn default() -> Self {
-        Bench { app: Box::default(), board: FakeBoard::default(), sequence: 0, session: HOST, boot: 0 }
+        AppBench { app: Box::default(), board: FakeBoard::default(), sequence: 0, session: HOST, boot: 0 }
     }
 }
 
@@ -99,10 +99,10 @@ pub fn change(entries: &[Entry<'_>]) -> Vec<u8> {
     entries.iter().flat_map(|entry| entry.write(&mut room).expect("room").to_vec()).collect()
 }
 
-impl Bench {
+impl AppBench {
     /// A bench whose axis is referenced.
-    pub fn referenced() -> Bench {
-        let mut bench = Bench::default();
+    pub fn referenced() -> AppBench {
+        let mut bench = AppBench::default();
         assert_eq!(bench.ask(RequestBody::Reference { position_counts: 0 }), "Done");
         bench
     }
@@ -151,7 +151,7 @@ impl Bench {
     }
 
     pub fn refused(&mut self, body: RequestBody<'_>, refusal: Refusal) {
-        let expected = format!("{:?}", ReplyBody::Refused(Refused::NotNow(refusal.code())));
+        let expected = format!("{:?}", ReplyBody::Refused(RequestRefusal::NotNow(refusal.code())));
         assert_eq!(self.ask(body), expected, "{body:?}");
     }
 

@@ -59,39 +59,39 @@ impl Board for FlashBoard {
     }
 }
 
-pub struct Drive {
+pub struct DriveWithFlash {
     pub control: Box<Control>,
     pub board: FlashBoard,
 }
 
-impl Drive {
+impl DriveWithFlash {
     /// A drive that is switched on, with what is in its flash.
-    pub fn on(flash: RamFlash) -> Drive {
-        Drive::after(flash, None)
+    pub fn on(flash: RamFlash) -> DriveWithFlash {
+        DriveWithFlash::after(flash, None)
     }
 
     /// A drive after a reset that has left this of its spool.
-    pub fn after(flash: RamFlash, spool: Option<SpoolLocation>) -> Drive {
-        Drive::with_encoder(flash, spool, false)
+    pub fn after(flash: RamFlash, spool: Option<SpoolLocation>) -> DriveWithFlash {
+        DriveWithFlash::with_encoder(flash, spool, false)
     }
 
     /// The same of a board whose encoder may be absolute, or not.
-    pub fn with_encoder(flash: RamFlash, spool: Option<SpoolLocation>, absolute: bool) -> Drive {
+    pub fn with_encoder(flash: RamFlash, spool: Option<SpoolLocation>, absolute: bool) -> DriveWithFlash {
         let store = store_on(flash, [0; MEMORY_BYTES]);
         let board = FlashBoard { position: 100, now_us: 0, store, spool, absolute };
-        let mut drive = Drive { control: Box::default(), board };
+        let mut drive = DriveWithFlash { control: Box::default(), board };
         drive.control.take_up(&mut drive.board);
         drive
     }
 
     /// Reset, with its memory kept.
-    pub fn reset(&self) -> Drive {
-        Drive::with_encoder(self.board.store.flash().clone(), self.board.spool, self.board.absolute)
+    pub fn reset(&self) -> DriveWithFlash {
+        DriveWithFlash::with_encoder(self.board.store.flash().clone(), self.board.spool, self.board.absolute)
     }
 
     /// Switched off and on again.
-    pub fn power_cycle(&self) -> Drive {
-        Drive::on(self.board.store.flash().clone())
+    pub fn power_cycle(&self) -> DriveWithFlash {
+        DriveWithFlash::on(self.board.store.flash().clone())
     }
 
     pub fn samples(&mut self, count: u32) {
@@ -125,8 +125,8 @@ impl Drive {
 }
 
 /// A drive with a stepper that has learned an offset of 7 steps, holds its last setpoint and has its spool open.
-pub fn stepper_that_has_learned() -> Drive {
-    let mut drive = Drive::on(RamFlash::default());
+pub fn stepper_that_has_learned() -> DriveWithFlash {
+    let mut drive = DriveWithFlash::on(RamFlash::default());
     drive.control.set_referenced().expect("disarmed");
     drive.control.at_null(&mut drive.board).expect("disarmed");
     drive.set(id::STEPPER, 1);

@@ -2,7 +2,7 @@
 
 use pneudrive_sim::keys;
 
-use crate::question::{Answers, Refusal};
+use crate::question::{AnswerProblem, Answers};
 use crate::rig_file::{Number, RigFile};
 
 /// Absolute pressure of the surroundings at sea level, and between 600 m and a storm's high, Pa.
@@ -12,7 +12,7 @@ pub(super) const SURROUNDINGS: (f64, [f64; 2]) = (101_325.0, [94_000.0, 104_500.
 const AIR: (f64, [f64; 2]) = (293.15, [283.15, 303.15]);
 
 /// Writes supply and exhaust.
-pub(super) fn write(file: &mut RigFile, answers: &Answers) -> Result<(), Refusal> {
+pub(super) fn write(file: &mut RigFile, answers: &Answers) -> Result<(), AnswerProblem> {
     let surroundings = Number::typical(SURROUNDINGS.0, SURROUNDINGS.1, "sea level; a barometer tells");
     let temperature = Number::typical(AIR.0, AIR.1, "a hall; a thermometer tells");
     file.number(&keys::exhaust::PRESSURE_PA, &surroundings);
@@ -23,13 +23,13 @@ pub(super) fn write(file: &mut RigFile, answers: &Answers) -> Result<(), Refusal
 }
 
 /// The supply pressure, absolute.
-pub(super) fn supply(answers: &Answers) -> Result<Number, Refusal> {
+pub(super) fn supply(answers: &Answers) -> Result<Number, AnswerProblem> {
     let absolute = |gauge: f64| gauge + SURROUNDINGS.0;
     let Some(reading) = answers.reading("supply")? else {
         return Ok(Number::typical(absolute(6e5), [absolute(5e5), absolute(7e5)], "6 bar(g); a gauge tells"));
     };
     let text = answers.text("supply").unwrap_or_default();
-    let refuse = |message: String| Refusal::new("supply", message);
+    let refuse = |message: String| AnswerProblem::new("supply", message);
     if !reading.says_from_where {
         return Err(refuse(format!(
             "\"{text}\" may be gauge or absolute: write \"{text}(g)\" or \"{text}(a)\""

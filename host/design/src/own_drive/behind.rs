@@ -3,7 +3,7 @@
 use pneudrive_sim::keys;
 use pneudrive_sim::rig::Problem;
 
-use crate::question::{Answers, Refusal};
+use crate::question::{AnswerProblem, Answers};
 
 /// How keys begin, and the questions that decide them.
 const BEHIND: &[(&str, &[&str])] = &[
@@ -40,10 +40,10 @@ fn question(answers: &Answers, key: &str) -> &'static str {
 }
 
 /// The problem of a rig, reported at the answer that causes it.
-pub(super) fn refusal(answers: &Answers, problem: &Problem) -> Refusal {
+pub(super) fn refusal(answers: &Answers, problem: &Problem) -> AnswerProblem {
     let question = question(answers, &problem.key);
     let answer = answers.text(question).map_or_else(|| "left out".to_owned(), |text| format!("\"{text}\""));
-    Refusal::new(question, format!("{answer} makes no rig, as {} {}", problem.key, problem.message))
+    AnswerProblem::new(question, format!("{answer} makes no rig, as {} {}", problem.key, problem.message))
 }
 
 #[cfg(test)]

@@ -2,12 +2,12 @@
 
 use std::f64::consts::PI;
 
-use pneudrive_sim::component::actuator::Model;
+use pneudrive_sim::component::actuator::ActuatorKind;
 use pneudrive_sim::component::tubing;
 use pneudrive_sim::keys;
 
 use crate::parts::{self, Family, Part};
-use crate::question::{Answers, Refusal};
+use crate::question::{AnswerProblem, Answers};
 use crate::rig_file::{Number, RigFile};
 
 /// A cylinder, SI.
@@ -27,7 +27,7 @@ struct Tube {
 
 impl Cylinder {
     /// The cylinder of the answers.
-    pub fn of(answers: &Answers) -> Result<Cylinder, Refusal> {
+    pub fn of(answers: &Answers) -> Result<Cylinder, AnswerProblem> {
         let part = part_of(answers, "cylinder", Family::Cylinder)?;
         let bore = dimension(answers, "bore", part.as_ref(), "bore", "m")?;
         let rod = dimension(answers, "rod", part.as_ref(), "rod", "m")?;
@@ -37,7 +37,7 @@ impl Cylinder {
                 1e3 * rod.value,
                 1e3 * bore.value
             );
-            return Err(Refusal::new("rod", message).or(format!("{} mm", 400.0 * bore.value)));
+            return Err(AnswerProblem::new("rod", message).or(format!("{} mm", 400.0 * bore.value)));
         }
         let stroke = answers.required("stroke")?;
         let stroke_text = answers.text("stroke").unwrap_or_default().to_owned();
@@ -59,11 +59,11 @@ impl Cylinder {
     }
 
     /// Writes actuator and tubing.
-    pub fn write(&self, file: &mut RigFile) -> Result<(), Refusal> {
+    pub fn write(&self, file: &mut RigFile) -> Result<(), AnswerProblem> {
         let rodless = self.rod.value == 0.0;
         let (model, why) = match rodless {
-            true => (Model::Symmetric, "rodless"),
-            false => (Model::Asymmetric, "a rod on one side"),
+            true => (ActuatorKind::Symmetric, "rodless"),
+            false => (ActuatorKind::Asymmetric, "a rod on one side"),
         };
         file.word(&keys::actuator::MODEL, model, why);
         file.number(&keys::actuator::BORE_M, &self.bore);
@@ -89,12 +89,12 @@ impl Cylinder {
 
     fn write_tubing(&self, file: &mut RigFile) {
         let Some(tube) = &self.tube else {
-            file.word(&keys::tubing::MODEL, tubing::Model::None, "the valve sits on the cylinder");
+            file.word(&keys::tubing::MODEL, tubing::TubingKind::None, "the valve sits on the cylinder");
             return;
         };
         file.word(
             &keys::tubing::MODEL,
-            tubing::Model::Analytical,
+            tubing::TubingKind::Analytical,
             "a pipe with friction, by its length and bore",
         );
         file.number(&keys::tubing::DIAMETER_MM, &tube.bore_mm);
@@ -106,20 +106,20 @@ impl Cylinder {
 
 impl Tube {
     /// The tube of the answers; None if the valve sits on the cylinder.
-    fn of(answers: &Answers) -> Result<Option<Tube>, Refusal> {
+    fn of(answers: &Answers) -> Result<Option<Tube>, AnswerProblem> {
         let part = part_of(answers, "tube", Family::Tube)?;
         let length = answers.number("tube-length")?.unwrap_or(0.0);
         if length > 100.0 {
             let message = format!(
                 "{length} m is no tube between a valve and a cylinder: 100 m is the longest that counts as one restriction"
             );
-            return Err(Refusal::new("tube-length", message));
+            return Err(AnswerProblem::new("tube-length", message));
         }
         if length == 0.0 {
             let given = ["tube", "tube-bore"].into_iter().find(|name| answers.text(name).is_some());
             return match given {
                 Some(question) => {
-                    Err(Refusal::new(question, "how long is it? Give --tube-length, such as \"1 m\""))
+                    Err(AnswerProblem::new(question, "how long is it? Give --tube-length, such as \"1 m\""))
                 }
                 None => Ok(None),
             };
@@ -140,8 +140,8 @@ pub(crate) fn part_of(
     answers: &Answers,
     question: &'static str,
     family: Family,
-) -> Result<Option<Part>, Refusal> {
-    let refuse = |message| Refusal::new(question, message);
+) -> Result<Option<Part>, AnswerProblem> {
+    let refuse = |message| AnswerProblem::new(question, message);
     answers.text(question).map(|name| parts::find(family, name).map_err(refuse)).transpose()
 }
 
@@ -152,13 +152,13 @@ pub(crate) fn dimension(
     part: Option<&Part>,
     figure: &str,
     unit: &str,
-) -> Result<Number, Refusal> {
+) -> Result<Number, AnswerProblem> {
     if let Some(value) = answers.number(question)? {
         return Ok(Number::given(value, answers.text(question).unwrap_or_default()));
     }
     let Some(part) = part else { return answers.required(question).map(|value| Number::given(value, "")) };
     let found = part.figure(figure).and_then(|figure| Some((figure.value_in(unit).ok()?, &figure.basis)));
-    let missing = || Refusal::new(question, format!("{} has no {figure}: give it", part.name));
+    let missing = || AnswerProblem::new(question, format!("{} has no {figure}: give it", part.name));
     let (value, basis) = found.ok_or_else(missing)?;
     Ok(Number::given(value, format!("{}: {basis}", part.name)))
 }

@@ -19,7 +19,7 @@ use pneudrive_sim::keys;
 
 use super::Cylinder;
 use super::air::supply;
-use crate::question::{Answers, Refusal};
+use crate::question::{AnswerProblem, Answers};
 use crate::rig_file::RigFile;
 
 /// Share of the supply pressure that stands in the chambers of a drive that rests.
@@ -52,7 +52,7 @@ struct Feedback {
 }
 
 impl Feedback {
-    fn of(answers: &Answers, cylinder: &Cylinder, sonic_conductance: f64) -> Result<Feedback, Refusal> {
+    fn of(answers: &Answers, cylinder: &Cylinder, sonic_conductance: f64) -> Result<Feedback, AnswerProblem> {
         let piston = cylinder.moving_mass().map_or(0.0, |[low, high]| (low + high) / 2.0);
         let mass = answers.required("mass")? + piston;
         let supply = supply(answers)?.value;
@@ -82,7 +82,7 @@ struct Sampling {
 }
 
 impl Sampling {
-    fn of(answers: &Answers) -> Result<Sampling, Refusal> {
+    fn of(answers: &Answers) -> Result<Sampling, AnswerProblem> {
         let count_mm = answers.number("resolution")?.unwrap_or(super::RESOLUTION_MM);
         let period = answers.number("period")?.unwrap_or(super::PERIOD_S);
         let samples = WINDOWS_S.map(|window| (window / period).round().clamp(2.0, 15.0));
@@ -119,7 +119,7 @@ pub(super) fn write(
     cylinder: &Cylinder,
     sonic_conductance: f64,
     dead_zone: f64,
-) -> Result<(), Refusal> {
+) -> Result<(), AnswerProblem> {
     let (feedback, sampling) = (Feedback::of(answers, cylinder, sonic_conductance)?, Sampling::of(answers)?);
     let [kp, kv, ka] = sampling.commands(feedback.gains);
     let scale = scale_for(kv.max(ka).max(kp + sampling.across(dead_zone, 0.0)));

@@ -10,7 +10,7 @@ use pneudrive_sim::component::load::GRAVITY;
 
 use super::air::{SURROUNDINGS, supply};
 use super::cylinder::Cylinder;
-use crate::question::{Answers, Refusal};
+use crate::question::{AnswerProblem, Answers};
 use crate::rig_file::Number;
 
 /// P_e, Pa.
@@ -20,7 +20,7 @@ pub(super) const OUTSIDE: f64 = SURROUNDINGS.0;
 const PROPOSED: f64 = 0.7;
 
 /// The load with piston and rod, kg.
-pub(super) fn mass(answers: &Answers, cylinder: &Cylinder) -> Result<Number, Refusal> {
+pub(super) fn mass(answers: &Answers, cylinder: &Cylinder) -> Result<Number, AnswerProblem> {
     let load = answers.required("mass")?;
     let text = answers.text("mass").unwrap_or_default();
     Ok(match cylinder.moving_mass() {
@@ -33,13 +33,13 @@ pub(super) fn mass(answers: &Answers, cylinder: &Cylinder) -> Result<Number, Ref
 }
 
 /// F, N.
-pub(super) fn standing_force(answers: &Answers, cylinder: &Cylinder) -> Result<f64, Refusal> {
+pub(super) fn standing_force(answers: &Answers, cylinder: &Cylinder) -> Result<f64, AnswerProblem> {
     let force = answers.number("force")?.unwrap_or(0.0);
     Ok(force - mass(answers, cylinder)?.value * uphill(answers)?)
 }
 
 /// The part of gravity in the acceleration of an extending load, m/s^2.
-fn uphill(answers: &Answers) -> Result<f64, Refusal> {
+fn uphill(answers: &Answers) -> Result<f64, AnswerProblem> {
     Ok(GRAVITY * answers.number("incline")?.unwrap_or(0.0).to_radians().sin())
 }
 
@@ -52,7 +52,7 @@ pub(super) struct Balance {
 
 impl Balance {
     /// The forces of the answers.
-    pub fn of(answers: &Answers, cylinder: &Cylinder) -> Result<Balance, Refusal> {
+    pub fn of(answers: &Answers, cylinder: &Cylinder) -> Result<Balance, AnswerProblem> {
         let areas @ [area_1, area_2] = cylinder.areas();
         Ok(Balance { areas, others: standing_force(answers, cylinder)? - OUTSIDE * (area_1 - area_2) })
     }
@@ -69,7 +69,7 @@ impl Balance {
 }
 
 /// Refuses a load that the supply cannot hold, by the answer that asks for most of it.
-pub(super) fn check(answers: &Answers, cylinder: &Cylinder) -> Result<(), Refusal> {
+pub(super) fn check(answers: &Answers, cylinder: &Cylinder) -> Result<(), AnswerProblem> {
     let standing = standing_force(answers, cylinder)?;
     let area = cylinder.areas()[usize::from(standing > 0.0)];
     let held = area * (supply(answers)?.value - OUTSIDE);
@@ -90,5 +90,5 @@ pub(super) fn check(answers: &Answers, cylinder: &Cylinder) -> Result<(), Refusa
         "mass" => format!("{:.3} kg", ((force - left) / uphill - piston).max(0.0)),
         _ => format!("{:.0} N", left - weight),
     };
-    Err(Refusal::new(question, message).or(instead))
+    Err(AnswerProblem::new(question, message).or(instead))
 }

@@ -5,7 +5,7 @@ use pneudrive_sim::keys;
 use super::air::supply;
 use super::cylinder::{Cylinder, middle, typical};
 use super::holding::{mass, standing_force};
-use crate::question::{Answers, Refusal};
+use crate::question::{AnswerProblem, Answers};
 use crate::rig_file::{Number, RigFile};
 
 /// Pressure difference for which friction is stated as a part of the piston's force, Pa.
@@ -16,7 +16,7 @@ const STOP_STIFFNESS: f64 = 1e6;
 /// How far the piston's whole force may press a stop in, m: less than half of the shortest dead volume.
 const GIVES_WAY: f64 = 2e-3;
 
-pub(super) fn write(file: &mut RigFile, answers: &Answers, cylinder: &Cylinder) -> Result<(), Refusal> {
+pub(super) fn write(file: &mut RigFile, answers: &Answers, cylinder: &Cylinder) -> Result<(), AnswerProblem> {
     file.number(&keys::load::MASS_KG, &mass(answers, cylinder)?);
     if let Some(angle) = answers.number("incline")? {
         file.number(
@@ -42,7 +42,7 @@ pub(super) fn write(file: &mut RigFile, answers: &Answers, cylinder: &Cylinder) 
 }
 
 /// Stiffer stops where the usual ones would let a piston take up its dead volume.
-fn stops(file: &mut RigFile, answers: &Answers, cylinder: &Cylinder) -> Result<(), Refusal> {
+fn stops(file: &mut RigFile, answers: &Answers, cylinder: &Cylinder) -> Result<(), AnswerProblem> {
     let pressed = cylinder.areas()[0] * supply(answers)?.highest() + standing_force(answers, cylinder)?.abs();
     let stiffness = pressed / GIVES_WAY;
     if stiffness > STOP_STIFFNESS {
@@ -53,7 +53,7 @@ fn stops(file: &mut RigFile, answers: &Answers, cylinder: &Cylinder) -> Result<(
 }
 
 /// Running friction and that at which it breaks away, N.
-fn friction(answers: &Answers, cylinder: &Cylinder) -> Result<[Number; 2], Refusal> {
+fn friction(answers: &Answers, cylinder: &Cylinder) -> Result<[Number; 2], AnswerProblem> {
     let force = cylinder.areas()[0] * GIVEN_AT;
     let running = match answers.number("friction")? {
         Some(force) => Number::given(force, answers.text("friction").unwrap_or_default()),
@@ -65,7 +65,7 @@ fn friction(answers: &Answers, cylinder: &Cylinder) -> Result<[Number; 2], Refus
     let breakaway = match answers.number("breakaway")? {
         Some(force) if force < running.value && answers.text("friction").is_some() => {
             let message = format!("{force} N is below the running friction of {} N", running.value);
-            return Err(Refusal::new("breakaway", message));
+            return Err(AnswerProblem::new("breakaway", message));
         }
         Some(force) => Number::given(force, answers.text("breakaway").unwrap_or_default()),
         None => {

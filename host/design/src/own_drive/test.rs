@@ -5,14 +5,14 @@ use pneudrive_sim::keys;
 use super::air::supply;
 use super::holding;
 use super::{Cylinder, RESOLUTION_MM};
-use crate::question::{Answers, Refusal};
+use crate::question::{AnswerProblem, Answers};
 use crate::rig_file::{Number, RigFile};
 
 /// When the step comes, and how long the test lasts, s.
 const STEP_S: f64 = 0.2;
 const DURATION_S: f64 = 2.2;
 
-pub(super) fn write(file: &mut RigFile, answers: &Answers, cylinder: &Cylinder) -> Result<(), Refusal> {
+pub(super) fn write(file: &mut RigFile, answers: &Answers, cylinder: &Cylinder) -> Result<(), AnswerProblem> {
     let per_count = answers.number("resolution")?.unwrap_or(RESOLUTION_MM);
     let counts = |part: f64| (part * cylinder.stroke * 1e3 / per_count).round();
     let [from, to] = [0.25, 0.75].map(counts);
@@ -40,7 +40,7 @@ const MEAN_PRESSURE: f64 = 0.6;
 const HIGHEST: f64 = 0.9;
 
 /// Three fifths of the supply; where chamber 1 cannot balance that with the load, as near to it as it can.
-fn pressure_2(answers: &Answers, cylinder: &Cylinder) -> Result<Number, Refusal> {
+fn pressure_2(answers: &Answers, cylinder: &Cylinder) -> Result<Number, AnswerProblem> {
     let [outside, supply] = [holding::OUTSIDE, supply(answers)?.value];
     let balance = holding::Balance::of(answers, cylinder)?;
     let usual = MEAN_PRESSURE * supply;

@@ -11,7 +11,7 @@ use super::cylinder::{middle, part_of};
 use crate::flow_answer::StatedFlow;
 use crate::flow_map;
 use crate::parts::{Family, Part, find};
-use crate::question::{Answers, Refusal};
+use crate::question::{AnswerProblem, Answers};
 use crate::rig_file::{Number, RigFile};
 
 /// Spool travel to either side, mm. No figure of the valve: the paths open in proportion, so only ratios to it count.
@@ -22,7 +22,7 @@ const DAMPING: (f64, [f64; 2]) = (0.7, [0.5, 1.0]);
 const CLASS: &str = "proportional-5-3-350";
 
 /// C of the answers, m^3/(s Pa).
-pub(super) fn sonic_conductance(answers: &Answers) -> Result<f64, Refusal> {
+pub(super) fn sonic_conductance(answers: &Answers) -> Result<f64, AnswerProblem> {
     if let Some(rows) = measured_map(answers)? {
         return Ok(flow_map::largest_conductance(&rows));
     }
@@ -32,7 +32,7 @@ pub(super) fn sonic_conductance(answers: &Answers) -> Result<f64, Refusal> {
 }
 
 /// The part of the command without motion: the overlap, half of the hysteresis, and the opening against the leakage.
-pub(super) fn dead_zone(answers: &Answers) -> Result<f64, Refusal> {
+pub(super) fn dead_zone(answers: &Answers) -> Result<f64, AnswerProblem> {
     let (named, class) = parts_of(answers)?;
     let part = named.as_ref().unwrap_or(&class);
     let overlap = usual(answers, "overlap", part, "overlap", "%")?.value;
@@ -43,12 +43,12 @@ pub(super) fn dead_zone(answers: &Answers) -> Result<f64, Refusal> {
 }
 
 /// The named valve, and the class that stands in for its missing figures.
-fn parts_of(answers: &Answers) -> Result<(Option<Part>, Part), Refusal> {
-    let class = find(Family::Valve, CLASS).map_err(|message| Refusal::new("valve", message))?;
+fn parts_of(answers: &Answers) -> Result<(Option<Part>, Part), AnswerProblem> {
+    let class = find(Family::Valve, CLASS).map_err(|message| AnswerProblem::new("valve", message))?;
     Ok((part_of(answers, "valve", Family::Valve)?, class))
 }
 
-pub(super) fn write(file: &mut RigFile, answers: &Answers) -> Result<(), Refusal> {
+pub(super) fn write(file: &mut RigFile, answers: &Answers) -> Result<(), AnswerProblem> {
     let (named, class) = parts_of(answers)?;
     let part = named.as_ref().unwrap_or(&class);
     if let Some(rows) = measured_map(answers)? {
@@ -84,9 +84,9 @@ pub(super) fn remark(answers: &Answers) -> Option<String> {
 const MAP: &str = "flow-map";
 
 /// The measured map of the answers.
-fn measured_map(answers: &Answers) -> Result<Option<Vec<flow_map::Row>>, Refusal> {
+fn measured_map(answers: &Answers) -> Result<Option<Vec<flow_map::Row>>, AnswerProblem> {
     let Some(path) = answers.text(MAP) else { return Ok(None) };
-    let refuse = |message: String| Refusal::new(MAP, message);
+    let refuse = |message: String| AnswerProblem::new(MAP, message);
     let others = ["conductance", "critical-ratio", "flow", "kv", "cv", "overlap"];
     if let Some(other) = others.into_iter().find(|name| answers.text(name).is_some()) {
         return Err(refuse(format!("has the flow of the valve already: leave out --{other}")));
@@ -125,20 +125,20 @@ fn exhaust(file: &mut RigFile, part: Option<&Part>) {
 }
 
 /// b.
-fn critical_ratio(answers: &Answers, part: &Part) -> Result<Number, Refusal> {
+fn critical_ratio(answers: &Answers, part: &Part) -> Result<Number, AnswerProblem> {
     let question = "critical-ratio";
     let ratio = usual(answers, question, part, "critical_ratio", "")?;
     if !(0.0..1.0).contains(&ratio.value) {
         let message =
             format!("{} is none: b lies from 0 to below 1, and from 0.1 to 0.5 for valves", ratio.value);
-        return Err(Refusal::new(question, message));
+        return Err(AnswerProblem::new(question, message));
     }
     if ratio.value > 0.5 {
         let message = format!(
             "{} is that of a nozzle (0.528), not of a valve: 0.1 to 0.5. Many pages print it; leave it out if the data sheet has none",
             ratio.value
         );
-        return Err(Refusal::new(question, message));
+        return Err(AnswerProblem::new(question, message));
     }
     // The middle of the range that 5/3 spool valves have.
     let value = if ratio.source == pneudrive_sim::rig::Source::Unknown { 0.3 } else { ratio.value };
@@ -146,13 +146,13 @@ fn critical_ratio(answers: &Answers, part: &Part) -> Result<Number, Refusal> {
 }
 
 /// C, from whichever figure of its flow is known.
-fn conductance(answers: &Answers, part: Option<&Part>, ratio: &Number) -> Result<Number, Refusal> {
+fn conductance(answers: &Answers, part: Option<&Part>, ratio: &Number) -> Result<Number, AnswerProblem> {
     let figures = ["conductance", "flow", "kv", "cv"];
     let given: Vec<&str> = figures.into_iter().filter(|name| answers.text(name).is_some()).collect();
     if let [_, second, ..] = given[..] {
         let question = figures.into_iter().find(|name| *name == second).unwrap_or("flow");
         let message = format!("is one figure too many beside --{}: both say how much passes", given[0]);
-        return Err(Refusal::new(question, message));
+        return Err(AnswerProblem::new(question, message));
     }
     if let Some(sonic) = answers.number("conductance")? {
         return Ok(Number::given(sonic, answers.text("conductance").unwrap_or_default()));
@@ -160,7 +160,7 @@ fn conductance(answers: &Answers, part: Option<&Part>, ratio: &Number) -> Result
     let of_part = |name: &str, unit: &str| part.and_then(|part| part.figure(name)?.value_in(unit).ok());
     let nominal = |flow: f64, from: String| by_flow(&StatedFlow { flow, pressures: None }, ratio, from);
     if let Some(text) = answers.text("flow") {
-        let stated = StatedFlow::read(text).map_err(|message| Refusal::new("flow", message))?;
+        let stated = StatedFlow::read(text).map_err(|message| AnswerProblem::new("flow", message))?;
         let taken = if stated.pressures.is_some() { "" } else { ", taken from 6 to 5 bar(g)" };
         return Ok(by_flow(&stated, ratio, format!("a flow of {text}{taken}")));
     }
@@ -178,7 +178,7 @@ fn conductance(answers: &Answers, part: Option<&Part>, ratio: &Number) -> Result
     }
     match (part, of_part("nominal_flow", "m3/s")) {
         (Some(part), Some(flow)) => Ok(nominal(flow, format!("{}, its nominal flow", part.name))),
-        _ => Err(Refusal::new(
+        _ => Err(AnswerProblem::new(
             "flow",
             "is needed, such as \"350 l/min\" (6 to 5 bar(g)), or --conductance, --kv, --cv, or a --valve of the catalogue",
         )),
@@ -198,12 +198,12 @@ fn widened(number: Number, part: f64) -> Number {
 }
 
 /// How the lands open, and the leakage when they are shut.
-fn lands(file: &mut RigFile, answers: &Answers, part: &Part) -> Result<(), Refusal> {
+fn lands(file: &mut RigFile, answers: &Answers, part: &Part) -> Result<(), AnswerProblem> {
     let scale = "a scale: the paths open in proportion, so only ratios to it count";
     file.number(&keys::valve::SPOOL_TRAVEL_MM, &Number::computed(TRAVEL_MM, scale));
     file.word(
         &keys::lands::CHARACTERISTIC,
-        lands::Model::Linear,
+        lands::CharacteristicKind::Linear,
         "in proportion to the spool, beyond its overlap",
     );
     let overlap = usual(answers, "overlap", part, "overlap", "%")?;
@@ -215,12 +215,12 @@ fn lands(file: &mut RigFile, answers: &Answers, part: &Part) -> Result<(), Refus
 }
 
 /// How the spool follows its command: (6.32) with the critical frequency as its natural one.
-fn spool(file: &mut RigFile, answers: &Answers, part: &Part) -> Result<(), Refusal> {
+fn spool(file: &mut RigFile, answers: &Answers, part: &Part) -> Result<(), AnswerProblem> {
     let bandwidth = usual(answers, "bandwidth", part, "critical_frequency", "Hz")?;
     let hysteresis = usual(answers, "hysteresis", part, "hysteresis", "%")?;
     file.word(
         &keys::operator::MODEL,
-        operator::Model::Empirical,
+        operator::OperatorKind::Empirical,
         "a spool with a position loop: second order",
     );
     let from = format!("(2 pi f)^2, f = {}", described(&bandwidth, "Hz"));
@@ -246,7 +246,7 @@ fn usual(
     part: &Part,
     figure: &str,
     unit: &str,
-) -> Result<Number, Refusal> {
+) -> Result<Number, AnswerProblem> {
     match answers.number(question)? {
         Some(value) => Ok(Number::given(value, answers.text(question).unwrap_or_default())),
         None => figure_of(part, figure, unit),
@@ -254,8 +254,8 @@ fn usual(
 }
 
 /// A figure of a part: its value, or the middle of its range.
-fn figure_of(part: &Part, name: &str, unit: &str) -> Result<Number, Refusal> {
-    let refuse = |message: String| Refusal::new("valve", message);
+fn figure_of(part: &Part, name: &str, unit: &str) -> Result<Number, AnswerProblem> {
+    let refuse = |message: String| AnswerProblem::new("valve", message);
     let class = find(Family::Valve, CLASS).map_err(refuse)?;
     let figure = part.figure(name).or_else(|| class.figure(name));
     let figure = figure.ok_or_else(|| refuse(format!("{} has no {name}", part.name)))?;

@@ -1,7 +1,7 @@
 //! What becomes of drawn answers.
 
-use pneudrive_design::mended::mended;
 use pneudrive_design::own_drive::rig_file;
+use pneudrive_design::suggestion::suggestion;
 use pneudrive_sim::rig::{Key, Problems};
 use pneudrive_sim::{Accuracy, Rig, keys, run};
 
@@ -24,7 +24,7 @@ pub fn outcome(seed: u64) -> Outcome {
     let text = match rig_file("drawn", &answers) {
         Ok(text) => text,
         Err(wrong) => {
-            return match mended("drawn", &answers) {
+            return match suggestion("drawn", &answers) {
                 Some(_) => Outcome::Refused,
                 None => Outcome::Fails(format!("nothing instead of {wrong:?}")),
             };

@@ -31,7 +31,7 @@ pub struct Air {
 }
 
 /// Air let in up to each instant of a transient, kg.
-pub(super) struct Course {
+pub(super) struct Inflow {
     best: Vec<f64>,
     least: Vec<f64>,
     most: Vec<f64>,
@@ -39,24 +39,24 @@ pub(super) struct Course {
     beyond: Vec<bool>,
 }
 
-impl Course {
+impl Inflow {
     /// Of a run from its flows, of a record from its pressures and its chambers; None where these are not known, or the
     /// dither of the chambers' rig is not followed.
-    pub fn of(transient: &Transient, chambers: Option<&Chambers>) -> Option<Course> {
+    pub fn of(transient: &Transient, chambers: Option<&Chambers>) -> Option<Inflow> {
         if chambers.is_some_and(|chambers| !chambers.follows_dither(transient)) {
             return None;
         }
         match &transient.inflow_kg_s {
-            Some(inflow) => Some(Course::of_flows(&transient.time, inflow)),
+            Some(inflow) => Some(Inflow::of_flows(&transient.time, inflow)),
             None if transient.has_pressures() => Some(record::course(transient, chambers?)),
             None => None,
         }
     }
 
-    fn of_flows(time: &[f64], inflow: &[f64]) -> Course {
+    fn of_flows(time: &[f64], inflow: &[f64]) -> Inflow {
         let (best, coarse) = (integral::<1>(time, inflow), integral::<2>(time, inflow));
         let most = best.iter().zip(&coarse).map(|(best, coarse)| 2.0 * best - coarse).collect();
-        Course { beyond: vec![false; time.len()], least: coarse, best, most }
+        Inflow { beyond: vec![false; time.len()], least: coarse, best, most }
     }
 
     /// The inflow from sample `begin` to sample `end`, or to the last one; None if a pressure is not known.

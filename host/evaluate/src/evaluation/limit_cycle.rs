@@ -26,7 +26,7 @@ use std::fmt;
 
 use super::noise;
 use super::swings::{Swing, swings};
-use crate::transient::Grip;
+use crate::transient::FrictionUse;
 use standstill::Standstill;
 use trend::Trend;
 
@@ -164,7 +164,7 @@ impl LimitCycle {
         time: &[f64],
         position: &[f64],
         pressures: [&[f64]; 2],
-        grip: Option<&Grip>,
+        grip: Option<&FrictionUse>,
         mm_per_count: f64,
         still_mm: f64,
     ) -> LimitCycle {

@@ -104,7 +104,7 @@ fn a_changed_command_is_found_at_its_sample_with_both_sides() {
     samples[23].command -= 5;
     let replay = replay(&file(&values, 0, samples.clone())).expect("whole");
     let first = replay.first.expect("different");
-    assert_eq!((first.index, first.what, first.inferred), (11, What::Command, false));
+    assert_eq!((first.index, first.what, first.inferred), (11, ComparedQuantity::Command, false));
     assert_eq!((first.recorded, first.replayed), (samples[11].command, samples[11].command - 1));
     assert_eq!(replay.differences, 2);
 }
@@ -116,7 +116,7 @@ fn a_changed_spool_location_of_a_stepper_is_found() {
     assert!(replay(&file(&values, 0, samples.clone())).expect("whole").first.is_none());
     samples[5].spool += 1;
     let first = replay(&file(&values, 0, samples)).expect("whole").first.expect("different");
-    assert_eq!((first.index, first.what), (5, What::SpoolLocation));
+    assert_eq!((first.index, first.what), (5, ComparedQuantity::SpoolLocation));
 }
 
 #[test]
@@ -150,7 +150,10 @@ fn a_board_that_does_not_trip_where_the_pc_does_is_found() {
     let samples = record(&tame, &[(0, 9000)], &[8192, 8200, 9200, 9210]);
     let replay = replay(&file(&Parameters::default(), 0, samples)).expect("whole");
     let first = replay.first.expect("different");
-    assert_eq!((first.index, first.what, replay.tripped), (2, What::Command, Some((Fault::EncoderStep, 2))));
+    assert_eq!(
+        (first.index, first.what, replay.tripped),
+        (2, ComparedQuantity::Command, Some((Fault::EncoderStep, 2)))
+    );
 }
 
 #[test]
@@ -159,7 +162,7 @@ fn a_board_that_goes_on_after_a_trip_is_found() {
     let mut samples = record(&tame, &[(0, 9000)], &[8192, 8200, 9200, 9210]);
     samples[2].command = 0;
     let first = replay(&file(&Parameters::default(), 0, samples)).expect("whole").first;
-    assert!(matches!(first, Some(Difference { index: 3, what: What::Sample, .. })), "{first:?}");
+    assert!(matches!(first, Some(Difference { index: 3, what: ComparedQuantity::Sample, .. })), "{first:?}");
 }
 
 #[test]
@@ -238,7 +241,7 @@ fn the_end_of_the_last_move_is_not_the_end_of_the_replay() {
 fn a_move_to_the_setpoint_that_holds_differs_where_it_ends_at_once() {
     let values = parameters(&[(id::ON_ARRIVAL, 1)]);
     let replay = replayed(&values, &[(0, 9000), (0, 9000), (0, 9000)], &[8600, 9000, 9000]);
-    assert_eq!(replay.first.map(|first| (first.index, first.what)), Some((2, What::Command)));
+    assert_eq!(replay.first.map(|first| (first.index, first.what)), Some((2, ComparedQuantity::Command)));
 }
 
 #[test]

@@ -7,7 +7,7 @@ use pneudrive_sim::keys::controller;
 use pneudrive_sim::trace::Row;
 use pneudrive_sim::{Rig, Run};
 
-use super::{Cut, Grip, Transient};
+use super::{Cut, FrictionUse, Transient};
 
 impl Transient {
     /// The form of a stored run that [`Transient::of_run`] gives, without the columns that no channel needs.
@@ -39,7 +39,7 @@ impl Transient {
                 let [one, two] = row.plant.mass_flows;
                 one.max(0.0) + two.max(0.0)
             })),
-            grip: Grip::of(&Holding::of(rig), run.rows.iter().map(|row| row.plant.friction)),
+            grip: FrictionUse::of(&Holding::of(rig), run.rows.iter().map(|row| row.plant.friction)),
             extras: Vec::new(),
             gaps: Vec::new(),
             band: None,

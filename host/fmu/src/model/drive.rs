@@ -12,7 +12,7 @@ use crate::signal::{Kind, Signal, Value};
 
 /// The drive at a sample.
 #[derive(Clone, Debug)]
-pub struct Drive {
+pub struct DriveModel {
     controller: Controller,
     plant: Plant,
     /// m.
@@ -34,11 +34,11 @@ pub fn inputs(rig: &Rig) -> Vec<Signal> {
     vec![setpoint, STOP]
 }
 
-impl Drive {
+impl DriveModel {
     /// In the initial state of the rig's test.
-    pub fn new(rig: &Rig, choices: Choices) -> Result<Drive> {
+    pub fn new(rig: &Rig, choices: Choices) -> Result<DriveModel> {
         let controller = Controller::new(rig, choices.run_test)?;
-        Ok(Drive { controller, plant: Plant::new(rig, choices.seed)?, pulse: pulse(rig) })
+        Ok(DriveModel { controller, plant: Plant::new(rig, choices.seed)?, pulse: pulse(rig) })
     }
 
     /// From the present sample on the supply has another pressure, Pa.

@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use pneudrive_controller::{Command, Sample};
-use pneudrive_sim::component::operator::Model;
+use pneudrive_sim::component::operator::OperatorKind;
 use pneudrive_sim::plant::Snapshot;
 use pneudrive_sim::{Accuracy, Rig, keys};
 
@@ -33,7 +33,7 @@ pub fn inputs(rig: &Rig) -> Vec<Signal> {
         meaning: "The pulse that the stepper is given at this sample's output.",
         range: Some([-1, 1]),
     };
-    let of_stepper = (rig.get(&keys::operator::MODEL) == Model::Stepper).then_some(step);
+    let of_stepper = (rig.get(&keys::operator::MODEL) == OperatorKind::Stepper).then_some(step);
     [command].into_iter().chain(of_stepper).collect()
 }
 

@@ -2,7 +2,7 @@
 
 use pneudrive_sim::Rig;
 
-use super::super::model::Model;
+use super::super::model::FittedModel;
 
 /// An effect that may be the cause of a misfit.
 #[derive(Clone, Copy, Debug)]
@@ -63,7 +63,7 @@ impl Choice {
 impl Effect {
     /// The rig of a model with a part of the usual size of the effect; None where it is no valid rig, has the effect
     /// fitted, or has no use for it.
-    pub(super) fn rig(&self, model: &Model, part: f64) -> Option<Rig> {
+    pub(super) fn rig(&self, model: &FittedModel, part: f64) -> Option<Rig> {
         let rig = &model.rig;
         let fitted = |path: &str| model.parameters.iter().any(|parameter| parameter.key.path == path);
         match self.change {

@@ -8,7 +8,7 @@ use super::super::approach::approach;
 use super::super::found::{Found, found_at, refined};
 use super::super::least_squares::{Minimum, Problem, minimise, minimise_by_secants};
 use super::super::level::{self, Incline};
-use super::super::model::Model;
+use super::super::model::FittedModel;
 use super::super::parameter::Parameter;
 use super::super::posterior::NORMAL_95;
 use super::significance::{chance, noise};
@@ -27,7 +27,7 @@ const MAX: f64 = 0.9;
 #[derive(Clone, Copy)]
 pub(super) struct Origin<'t, 'a> {
     /// The model without the effect.
-    pub model: &'t Model<'a>,
+    pub model: &'t FittedModel<'a>,
     /// The minimum without it.
     pub without: &'t Found,
     /// The effect, and what it promises.
@@ -37,7 +37,7 @@ pub(super) struct Origin<'t, 'a> {
 /// An effect fitted beside all parameters.
 pub(super) struct Fit<'t, 'a> {
     origin: Origin<'t, 'a>,
-    with: Model<'a>,
+    with: FittedModel<'a>,
     found: Found,
     /// Whether the search has been completed with its own derivatives.
     pub is_finished: bool,
@@ -187,7 +187,7 @@ impl<'t, 'a> Fit<'t, 'a> {
 
 impl<'a> Origin<'_, 'a> {
     /// The model with a part of the usual size of the effect, and where its search begins: at the minimum without it.
-    fn start(&self, part: f64) -> Option<(Model<'a>, Minimum)> {
+    fn start(&self, part: f64) -> Option<(FittedModel<'a>, Minimum)> {
         let Origin { model, without: found, trial } = *self;
         let mut with = model.of_rig(trial.effect.rig(model, part)?);
         if let Change::Calibration(path) = trial.effect.change {
@@ -211,7 +211,7 @@ impl<'a> Origin<'_, 'a> {
     }
 
     /// The same with an error of calibration that is freed from its tolerance.
-    fn start_of_error(&self, place: usize, part: f64) -> Option<(Model<'a>, Minimum)> {
+    fn start_of_error(&self, place: usize, part: f64) -> Option<(FittedModel<'a>, Minimum)> {
         let mut with = self.model.clone();
         with.parameters[place] = with.parameters[place].freed();
         let Minimum { mut u, mut jacobian, .. } = self.without.minimum.clone();
@@ -224,7 +224,7 @@ impl<'a> Origin<'_, 'a> {
 
     /// The model with the size of the effect that comes nearest at the values of the file, or at those of the minimum
     /// without it but for what that moved far from the file; and that point.
-    fn nearest(&self) -> Option<(Model<'a>, Vec<f64>)> {
+    fn nearest(&self) -> Option<(FittedModel<'a>, Vec<f64>)> {
         let Origin { model, without, trial } = *self;
         if let Change::Calibration(_) = trial.effect.change {
             return None;

@@ -1,7 +1,7 @@
 //! The effects that are tried.
 
 use super::super::calibration;
-use super::super::model::Model;
+use super::super::model::FittedModel;
 use super::{Change, Choice, Effect};
 use pneudrive_sim::keys;
 
@@ -10,7 +10,7 @@ const fn number(path: &'static str, size: f64, least: f64) -> Change {
 }
 
 /// The errors of calibration among the unknowns of a model.
-pub(super) fn calibrations(model: &Model) -> impl Iterator<Item = Effect> {
+pub(super) fn calibrations(model: &FittedModel) -> impl Iterator<Item = Effect> {
     let errors = model.parameters.iter().filter(|parameter| parameter.is_calibration);
     errors.filter_map(|parameter| {
         let item = calibration::item_of(parameter.key.path)?;

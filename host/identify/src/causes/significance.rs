@@ -3,10 +3,10 @@
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 use super::super::found::Found;
-use super::super::model::Model;
+use super::super::model::FittedModel;
 
 /// Variance of the residuals along one direction, and the number of independent residuals behind it.
-pub(super) fn noise(model: &Model, found: &Found) -> (f64, f64) {
+pub(super) fn noise(model: &FittedModel, found: &Found) -> (f64, f64) {
     let residuals = &found.minimum.residuals;
     let (mut squares, mut products) = (0.0, 0.0);
     for block in model.blocks() {

@@ -1,7 +1,7 @@
 //! Answers that refuse a request, or do not match it.
 
 use anyhow::anyhow;
-use pneudrive_protocol::{Refused, ReplyBody};
+use pneudrive_protocol::{ReplyBody, RequestRefusal};
 use pneudrive_records::untrusted::{SENTENCE, sanitised};
 use pneudrive_records::words;
 
@@ -14,6 +14,6 @@ pub(super) fn unexpected(reply: &ReplyBody<'_>) -> anyhow::Error {
 }
 
 /// The error for a rig's refusal.
-pub(super) fn refusal(rig: &str, refused: &Refused<'_>) -> anyhow::Error {
+pub(super) fn refusal(rig: &str, refused: &RequestRefusal<'_>) -> anyhow::Error {
     Failure::Refused.error(format!("{rig}: {}", words::refusal(refused)))
 }

@@ -5,7 +5,7 @@ use pneudrive_app::moves::told;
 use pneudrive_controller::parameters::id;
 use pneudrive_controller::{Parameters, Profile, Sequence};
 use pneudrive_protocol::change::{Entry, PART_BYTES, start_crc32, test_crc32};
-use pneudrive_protocol::{MAX_VALUES, Refused, ReplyBody, RequestBody, Values, frame};
+use pneudrive_protocol::{MAX_VALUES, ReplyBody, RequestBody, RequestRefusal, Values, frame};
 use pneudrive_records::rig_info::RigParameters;
 use pneudrive_sim::Rig;
 use pneudrive_sim::keys;
@@ -144,7 +144,7 @@ impl Client {
         let name = self.name.clone();
         self.ask_for_any(body, |reply| match reply {
             ReplyBody::Done => Ok(true),
-            ReplyBody::Refused(Refused::ChangeNotWhole) => Ok(false),
+            ReplyBody::Refused(RequestRefusal::ChangeNotWhole) => Ok(false),
             ReplyBody::Refused(refused) => Err(refusal(&name, refused)),
             other => Err(unexpected(other)),
         })

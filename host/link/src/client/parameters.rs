@@ -3,7 +3,7 @@
 use anyhow::{Result, anyhow, bail};
 use pneudrive_controller::Parameters;
 use pneudrive_controller::parameters::{TABLE, id};
-use pneudrive_protocol::{MAX_VALUES, Refused, ReplyBody, RequestBody, Values};
+use pneudrive_protocol::{MAX_VALUES, ReplyBody, RequestBody, RequestRefusal, Values};
 use pneudrive_records::parameter_names::{Written, name_of};
 use pneudrive_records::rig_info::RigParameters;
 
@@ -71,7 +71,7 @@ impl Client {
                 }
                 Err(unknown) if at < unknown && unknown < until => until = unknown,
                 Err(unknown) => {
-                    return Err(refusal(&self.name, &Refused::UnknownParameter { id: unknown }));
+                    return Err(refusal(&self.name, &RequestRefusal::UnknownParameter { id: unknown }));
                 }
             }
         }
@@ -86,7 +86,7 @@ impl Client {
             ReplyBody::Config { values, .. } if values.len() == usize::from(count) => {
                 Ok(Ok(values.iter().collect()))
             }
-            ReplyBody::Refused(Refused::UnknownParameter { id }) => Ok(Err(*id)),
+            ReplyBody::Refused(RequestRefusal::UnknownParameter { id }) => Ok(Err(*id)),
             ReplyBody::Refused(refused) => Err(refusal(&name, refused)),
             other => Err(unexpected(other)),
         })

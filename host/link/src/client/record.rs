@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use anyhow::{Context, Result};
 use pneudrive_protocol::{
-    CHUNK_SAMPLES, Mode, RecordCrc, RecordedSample, Refused, Reply, ReplyBody, RequestBody,
+    CHUNK_SAMPLES, Mode, RecordCrc, RecordedSample, Reply, ReplyBody, RequestBody, RequestRefusal,
 };
 use pneudrive_records::record::{Record, RecordHead};
 
@@ -168,7 +168,7 @@ impl Client {
             return Err(Failure::Refused.error(format!("{} {why}", self.name)));
         }
         if head.samples == 0 {
-            return Err(refusal(&self.name, &Refused::NoRecord));
+            return Err(refusal(&self.name, &RequestRefusal::NoRecord));
         }
         head.check(self.record_capacity as usize).with_context(|| self.name.clone())?;
         Ok(head)
@@ -191,7 +191,9 @@ fn answer(reply: &Reply<'_>, asked: RangeInclusive<u16>, rig: &str) -> Option<An
     match reply.body {
         ReplyBody::Chunk { first, samples } => Some(Ok((first as usize, samples.to_vec()))),
         ReplyBody::Refused(refused) => Some(Err(match refused {
-            Refused::OtherRecord | Refused::NoRecord | Refused::RecordRange { .. } => RecordChanged.into(),
+            RequestRefusal::OtherRecord | RequestRefusal::NoRecord | RequestRefusal::RecordRange { .. } => {
+                RecordChanged.into()
+            }
             other => refusal(rig, &other),
         })),
         _ => None,

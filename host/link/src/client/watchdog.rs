@@ -4,7 +4,7 @@ use std::io;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
-use pneudrive_protocol::{Accumulator, Event, Refused, ReplyBody, RequestBody, code};
+use pneudrive_protocol::{Accumulator, Event, ReplyBody, RequestBody, RequestRefusal, code};
 
 use super::answer::{refusal, unexpected};
 use super::{ANSWER_WAIT, Client, stream};
@@ -74,8 +74,8 @@ impl Client {
         let name = self.name.clone();
         self.ask_for_any(RequestBody::TryWatchdog, |reply| match reply {
             // The answer was lost, and the board was reset before it was asked again.
-            ReplyBody::Done | ReplyBody::Refused(Refused::OtherBoot { .. }) => Ok(true),
-            ReplyBody::Refused(Refused::NotNow(code::NO_WATCHDOG)) => Ok(false),
+            ReplyBody::Done | ReplyBody::Refused(RequestRefusal::OtherBoot { .. }) => Ok(true),
+            ReplyBody::Refused(RequestRefusal::NotNow(code::NO_WATCHDOG)) => Ok(false),
             ReplyBody::Refused(refused) => Err(refusal(&name, refused)),
             other => Err(unexpected(other)),
         })

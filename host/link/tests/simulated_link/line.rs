@@ -65,7 +65,7 @@ pub struct Line {
     /// Bytes ever sent, frames ever sent and those that something happened to.
     pub carried: usize,
     pub frames: usize,
-    pub harmed: usize,
+    pub damaged: usize,
     pulled: bool,
 }
 
@@ -74,10 +74,10 @@ impl Line {
     pub fn send(&mut self, now: Duration, mut frame: Vec<u8>) {
         self.frames += 1;
         let what = self.faults.as_mut().and_then(|faults| {
-            let harmed = faults.random.below(1000) < faults.per_mille;
-            harmed.then(|| faults.random.below(if faults.disconnects { 164 } else { 160 }))
+            let damaged = faults.random.below(1000) < faults.per_mille;
+            damaged.then(|| faults.random.below(if faults.disconnects { 164 } else { 160 }))
         });
-        self.harmed += usize::from(what.is_some());
+        self.damaged += usize::from(what.is_some());
         match what.map(|what| (what / 20, &mut self.faults)) {
             None => {}
             Some((0, _)) => return,                       // dropped

@@ -151,7 +151,7 @@ fn standstill(rig: &Rig, direction: f64) -> Result<Option<Stop>, IntegrationErro
 /// The command that opens the valve fully.
 fn full_command(rig: &Rig) -> i64 {
     match rig.get(&keys::operator::MODEL) {
-        operator::Model::Stepper => rig.get(&keys::stepper::MAX_STEPS),
+        operator::OperatorKind::Stepper => rig.get(&keys::stepper::MAX_STEPS),
         _ => FULL_COUNTS,
     }
 }

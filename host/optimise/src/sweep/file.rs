@@ -21,7 +21,7 @@ use pneudrive_sim::{Accuracy, Rig};
 use toml_edit::{Item, Table, TableLike};
 
 use super::axis::Draw;
-use super::metric::{FIGURES, Metric, Which};
+use super::metric::{FIGURES, Metric, MoveSelection};
 use super::{Axis, Bound, Objective, Source, Sweep};
 use fields::{Entry, Reader, count, known, nearest_of, number, only, text};
 use names::plain_name;
@@ -311,9 +311,9 @@ fn metric(entry: &Entry<'_>) -> Result<Metric, String> {
             only(table, &["figure", "move"])?;
             let figure =
                 table.get("figure").ok_or("say which figure: { figure = \"settling_s\", move = 2 }")?;
-            (text(figure)?, table.get("move").map_or(Ok(Which::Worst), which)?)
+            (text(figure)?, table.get("move").map_or(Ok(MoveSelection::Worst), which)?)
         }
-        None => (text(entry.item)?, Which::Worst),
+        None => (text(entry.item)?, MoveSelection::Worst),
     };
     let names = FIGURES.map(|figure| figure.name);
     let found = FIGURES.iter().find(|known| known.name == figure);
@@ -322,11 +322,11 @@ fn metric(entry: &Entry<'_>) -> Result<Metric, String> {
     Ok(Metric { name: entry.name.clone(), figure: found, which })
 }
 
-fn which(item: &Item) -> Result<Which, String> {
+fn which(item: &Item) -> Result<MoveSelection, String> {
     match (item.as_integer(), item.as_str()) {
-        (Some(number @ 1..), _) => Ok(Which::Number(number as usize)),
-        (_, Some("worst")) => Ok(Which::Worst),
-        (_, Some("sum")) => Ok(Which::Sum),
+        (Some(number @ 1..), _) => Ok(MoveSelection::Number(number as usize)),
+        (_, Some("worst")) => Ok(MoveSelection::Worst),
+        (_, Some("sum")) => Ok(MoveSelection::Sum),
         _ => Err("move must be the number of a move, from 1, or \"worst\" or \"sum\"".to_owned()),
     }
 }

@@ -77,7 +77,7 @@ const fn figure_of_a_way(name: &'static str, meaning: &'static str, of: fn(&Move
 
 /// Which move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Which {
+pub enum MoveSelection {
     /// The one with this number, from 1.
     Number(usize),
     /// The largest in size of all moves that go further than the tolerance of settling.
@@ -94,7 +94,7 @@ pub struct Metric {
     /// The figure.
     pub figure: &'static Figure,
     /// The move.
-    pub which: Which,
+    pub which: MoveSelection,
 }
 
 impl Metric {
@@ -107,18 +107,20 @@ impl Metric {
         let goes = |one: &&Move| one.to_mm.is_none_or(|to| (to - one.from_mm).abs() > settled_mm);
         let worst = |a: f64, b: f64| if b.abs() > a.abs() { b } else { a };
         match self.which {
-            Which::Number(number) => {
+            MoveSelection::Number(number) => {
                 let one = number.checked_sub(1).and_then(|index| moves.get(index));
                 let missing =
                     || format!("{}: there is no move {number}; the run has {}", self.name, moves.len());
                 Ok(of(one.ok_or_else(missing)?))
             }
-            Which::Worst => {
+            MoveSelection::Worst => {
                 let mut values = moves.iter().filter(goes).map(of);
                 let first = values.next().ok_or_else(|| format!("{}: nothing moves", self.name))?;
                 Ok(values.fold(first, |all, value| all.zip(value).map(|(a, b)| worst(a, b))))
             }
-            Which::Sum => Ok(moves.iter().filter(|one| goes(one) || !self.figure.of_a_way).map(of).sum()),
+            MoveSelection::Sum => {
+                Ok(moves.iter().filter(|one| goes(one) || !self.figure.of_a_way).map(of).sum())
+            }
         }
     }
 }
@@ -186,31 +188,34 @@ mod tests {
         [hold, step, back]
     }
 
-    fn value(name: &str, which: Which) -> Result<Option<f64>, String> {
+    fn value(name: &str, which: MoveSelection) -> Result<Option<f64>, String> {
         let figure = FIGURES.iter().find(|figure| figure.name == name).expect("a figure");
         Metric { name: "m".to_owned(), figure, which }.value(&moves(), 0.05)
     }
 
     #[test]
     fn the_worst_is_the_largest_in_size_of_all_that_move_and_none_if_one_has_none() {
-        assert_eq!(value("rise_s", Which::Worst), Ok(Some(0.2)), "the hold does not count");
-        assert_eq!(value("steady_error_mm", Which::Worst), Ok(Some(-0.2)));
-        assert_eq!(value("overshoot_percent", Which::Worst), Ok(Some(5.0)));
-        assert_eq!(value("limit_cycle_mm", Which::Worst), Ok(Some(0.3)));
-        assert_eq!(value("limit_cycle_swing_mm", Which::Worst), Ok(Some(0.6)), "from peak to peak");
-        assert_eq!(value("settling_s", Which::Worst), Ok(None));
+        assert_eq!(value("rise_s", MoveSelection::Worst), Ok(Some(0.2)), "the hold does not count");
+        assert_eq!(value("steady_error_mm", MoveSelection::Worst), Ok(Some(-0.2)));
+        assert_eq!(value("overshoot_percent", MoveSelection::Worst), Ok(Some(5.0)));
+        assert_eq!(value("limit_cycle_mm", MoveSelection::Worst), Ok(Some(0.3)));
+        assert_eq!(value("limit_cycle_swing_mm", MoveSelection::Worst), Ok(Some(0.6)), "from peak to peak");
+        assert_eq!(value("settling_s", MoveSelection::Worst), Ok(None));
     }
 
     #[test]
     fn one_move_and_the_sum_of_all_can_be_asked_for_and_a_move_that_is_not_there_is_an_error() {
-        assert_eq!(value("settling_s", Which::Number(2)), Ok(Some(0.5)));
-        assert_eq!(value("limit_cycle_hz", Which::Number(2)), Ok(Some(0.0)), "it stands");
+        assert_eq!(value("settling_s", MoveSelection::Number(2)), Ok(Some(0.5)));
+        assert_eq!(value("limit_cycle_hz", MoveSelection::Number(2)), Ok(Some(0.0)), "it stands");
         for name in ["limit_cycle_mm", "limit_cycle_hz", "limit_cycle_swing_mm"] {
-            assert_eq!(value(name, Which::Number(1)), Ok(None), "{name} is not decidable");
-            assert_eq!(value(name, Which::Sum), Ok(None), "{name}: nor is the sum");
+            assert_eq!(value(name, MoveSelection::Number(1)), Ok(None), "{name} is not decidable");
+            assert_eq!(value(name, MoveSelection::Sum), Ok(None), "{name}: nor is the sum");
         }
-        assert_eq!(value("air_l", Which::Sum), Ok(Some(2.25)));
-        assert_eq!(value("overshoot_mm", Which::Sum), Ok(Some(3.6)), "the hold shows none");
-        assert_eq!(value("air_l", Which::Number(4)), Err("m: there is no move 4; the run has 3".to_owned()));
+        assert_eq!(value("air_l", MoveSelection::Sum), Ok(Some(2.25)));
+        assert_eq!(value("overshoot_mm", MoveSelection::Sum), Ok(Some(3.6)), "the hold shows none");
+        assert_eq!(
+            value("air_l", MoveSelection::Number(4)),
+            Err("m: there is no move 4; the run has 3".to_owned())
+        );
     }
 }

@@ -11,9 +11,9 @@ use pneudrive_sim::{Rig, Run};
 use super::{Metric, Sweep};
 use crate::ensemble::{Ensemble, run_ensemble};
 use crate::runners::Runners;
+use pneudrive_evaluate::cancel::CancelToken;
 use pneudrive_evaluate::evaluation::{Move, moves_of_run};
 use pneudrive_evaluate::range::Range;
-use pneudrive_evaluate::wanted::Wanted;
 
 /// A line of the result.
 #[derive(Clone, Debug, PartialEq)]
@@ -131,7 +131,7 @@ impl Points<'_> {
             return self.runners.run(rig, accuracy, row).unwrap_or_else(|error| Err(error.to_string()));
         }
         let spacing = Spacing { runs: sweep.ensemble, ..Spacing::default() };
-        let ensemble = run_ensemble(rig, accuracy, spacing, measure, |_, _| {}, Wanted::ALWAYS);
+        let ensemble = run_ensemble(rig, accuracy, spacing, measure, |_, _| {}, CancelToken::NEVER);
         let Ensemble { nominal, measured } = ensemble.map_err(|error| format!("{error:#}"))?;
         let row = row(sweep, point, &nominal.run, &measured)?;
         let of_member =

@@ -1,6 +1,6 @@
 //! The page of a sweep: the best point, the allowed and the failed ones, and every metric over every axis.
 
-use super::metric::Which;
+use super::metric::MoveSelection;
 use super::{Axis, Objective, Row, Sweep};
 use pneudrive_evaluate::range;
 use pneudrive_report::{COLOURS, Curve, Figure, Look, Page, Panel, Table};
@@ -180,9 +180,9 @@ fn summary(sweep: &Sweep, rows: &[Row]) -> Table {
         let most = values.last().copied().map(|most| ends.map_or(most, |[_, b]| b.max(most)));
         let median = values.get(values.len() / 2).copied();
         let which = match metric.which {
-            Which::Number(number) => format!("move {number}"),
-            Which::Worst => "worst move".to_owned(),
-            Which::Sum => "all moves".to_owned(),
+            MoveSelection::Number(number) => format!("move {number}"),
+            MoveSelection::Worst => "worst move".to_owned(),
+            MoveSelection::Sum => "all moves".to_owned(),
         };
         let about = format!("{}, {which}: {}", metric.figure.name, metric.figure.meaning);
         let ends = [least, median, most].map(formatted);

@@ -5,7 +5,7 @@ use anyhow::Result;
 use super::stroke::{AtPlace, along_the_stroke};
 use super::tracking::{self, Tracked, tracked};
 use super::{Progress, Task, Tuned};
-use pneudrive_evaluate::wanted::Wanted;
+use pneudrive_evaluate::cancel::CancelToken;
 
 /// The behaviour of a drive with its gains.
 #[derive(Clone, Debug)]
@@ -25,11 +25,11 @@ impl Behaviour {
         task: &Task,
         tuned: &Tuned,
         progress: impl FnMut(Progress) + Send,
-        wanted: Wanted<'_>,
+        cancel: CancelToken<'_>,
     ) -> Result<Behaviour> {
         let steps = along_the_stroke(task, tuned)?;
-        let sines = tracked(task, tuned, progress, wanted)?;
-        wanted.check()?;
+        let sines = tracked(task, tuned, progress, cancel)?;
+        cancel.check()?;
         Ok(Behaviour { steps, sines })
     }
 }

@@ -5,8 +5,8 @@ use anyhow::{Error, Result};
 use super::search::{Budget, Outcome, search};
 use super::trial::{MEMBERS, Trial};
 use super::{Found, Performance, Space, Task, Variant, fixed};
+use pneudrive_evaluate::cancel::{CancelToken, Cancelled};
 use pneudrive_evaluate::parallel;
-use pneudrive_evaluate::wanted::{CalledOff, Wanted};
 
 /// The stage of a tuning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -70,28 +70,28 @@ impl<'a> Meter<'a> {
 }
 
 /// A rig to be tuned, and the meaning of its genes: in its own counts and samples.
-pub(super) struct Drive<'a> {
+pub(super) struct TunedDrive<'a> {
     pub task: &'a Task,
     pub trial: Trial,
     pub space: Space,
-    /// Whether it is still to be tuned.
-    pub wanted: Wanted<'a>,
+    /// Ends the tuning early.
+    pub cancel: CancelToken<'a>,
 }
 
-impl Drive<'_> {
+impl TunedDrive<'_> {
     /// The rig of a task; `more` keys are set.
-    pub fn of<'a>(task: &'a Task, more: &[String], wanted: Wanted<'a>) -> Result<Drive<'a>> {
+    pub fn of<'a>(task: &'a Task, more: &[String], cancel: CancelToken<'a>) -> Result<TunedDrive<'a>> {
         let trial = Trial::of(task, more)?;
         let space = Space::of(&trial.rig, task.goal.settled_mm, &fixed::keys(task))?;
-        Ok(Drive { task, trial, space, wanted })
+        Ok(TunedDrive { task, trial, space, cancel })
     }
 
-    /// The step with these gains on a variant of the rig, if that is still wanted.
+    /// The step with these gains on a variant of the rig, unless the tuning is cancelled.
     fn run(&self, settings: &[String], variant: &Variant) -> Performance {
-        if self.wanted.now() {
+        if self.cancel.is_live() {
             self.trial.run(settings, variant)
         } else {
-            Performance::failed(CalledOff.to_string())
+            Performance::failed(Cancelled.to_string())
         }
     }
 
@@ -156,7 +156,7 @@ impl Drive<'_> {
         let settings = shares.map_or_else(Vec::new, |shares| self.space.settings(shares));
         let places = shares.map_or_else(Vec::new, |shares| self.space.places(shares));
         let performances = self.judged(&settings, tuned_on, meter);
-        let members = self.wanted.check().map_err(Error::from).and_then(|()| self.trial.members(&settings));
+        let members = self.cancel.check().map_err(Error::from).and_then(|()| self.trial.members(&settings));
         meter.runs += MEMBERS;
         meter.done(MEMBERS);
         let members = members.unwrap_or_else(|error| vec![Performance::failed(format!("{error:#}"))]);

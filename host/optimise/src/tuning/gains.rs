@@ -70,7 +70,7 @@ impl Space {
     /// When its law has no gains, or all of them are held.
     pub fn of(rig: &Rig, settled_mm: f64, fixed: &[String]) -> Result<Space> {
         if rig.get(&keys::controller::LOOP) != controller::Loop::Closed
-            || rig.get(&keys::controller::MODEL) != controller::Model::Sampled
+            || rig.get(&keys::controller::MODEL) != controller::ControllerKind::Sampled
         {
             bail!(
                 "gains are searched in closed loop, with the firmware's controller: controller.loop=closed, controller.model=sampled"
@@ -214,7 +214,7 @@ impl Space {
     /// The command that opens the valve fully, counts.
     fn full_counts(&self) -> f64 {
         match self.rig.get(&keys::operator::MODEL) {
-            operator::Model::Stepper => self.rig.get(&keys::stepper::MAX_STEPS) as f64,
+            operator::OperatorKind::Stepper => self.rig.get(&keys::stepper::MAX_STEPS) as f64,
             _ => 2048.0,
         }
     }

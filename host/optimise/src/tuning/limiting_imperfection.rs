@@ -5,7 +5,7 @@ use pneudrive_sim::Rig;
 use pneudrive_sim::component::{encoder, operator};
 use pneudrive_sim::keys;
 
-use super::drive::{Drive, Meter, Stage};
+use super::drive::{Meter, Stage, TunedDrive};
 use super::search::Budget;
 use super::spread::FRICTION;
 use super::{Found, Task, Variant};
@@ -26,7 +26,7 @@ pub fn budget(of_search: &Budget) -> Budget {
 /// When there is no such rig.
 pub(super) fn search(
     task: &Task,
-    drive: &Drive<'_>,
+    drive: &TunedDrive<'_>,
     start: &[Vec<f64>],
     [tuned_on, fresh]: [&[Variant]; 2],
     meter: &mut Meter,
@@ -35,7 +35,7 @@ pub(super) fn search(
     let each = budget.runs(tuned_on.len()) + tuned_on.len() + fresh.len();
     meter.begin(Stage::Obstacles, suspects.len() * each);
     let found = |suspect: Suspect| {
-        let without = Drive::of(task, &suspect.settings, drive.wanted)?;
+        let without = TunedDrive::of(task, &suspect.settings, drive.cancel)?;
         let outcome = without.search(&budget, start, tuned_on, meter);
         let settings = without.space.settings(&outcome.population[0]);
         let places = without.space.places(&outcome.population[0]);
@@ -89,7 +89,7 @@ fn times(rig: &Rig, key: &str, factor: f64) -> String {
 fn of_operator(rig: &Rig) -> Vec<Suspect> {
     let mut all = Vec::new();
     let model = rig.get(&keys::operator::MODEL);
-    let solenoid = model == operator::Model::Solenoid;
+    let solenoid = model == operator::OperatorKind::Solenoid;
     if solenoid && rig.get(&keys::solenoid::STATIC_FRICTION_N) > 0.0 {
         let friction = [keys::solenoid::COULOMB_FRICTION_N.path, keys::solenoid::STATIC_FRICTION_N.path];
         all.push(suspect("no friction on the spool", friction.map(|key| set(key, 0.0)).to_vec()));
@@ -104,7 +104,7 @@ fn of_operator(rig: &Rig) -> Vec<Suspect> {
                 .map(|(key, factor)| times(rig, key, factor));
         all.push(suspect("an operator twice as fast", vec![mass, damping]));
     }
-    if model == operator::Model::Stepper {
+    if model == operator::OperatorKind::Stepper {
         let length = times(rig, keys::stepper::MM_PER_STEP.path, 0.25);
         let steps = format!("operator.max_steps={}", 4 * rig.get(&keys::stepper::MAX_STEPS));
         all.push(suspect("spool steps a quarter as long", vec![length, steps]));

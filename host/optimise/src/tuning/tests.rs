@@ -10,8 +10,8 @@ use pneudrive_sim::rig::{BUILTIN, builtin};
 use super::gains::Space;
 use super::trial::Trial;
 use super::*;
+use pneudrive_evaluate::cancel::CancelToken;
 use pneudrive_evaluate::evaluation::{Doubt, LimitCycle, Move, Oscillation};
-use pneudrive_evaluate::wanted::Wanted;
 
 const GOAL: Goal = Goal { step_mm: 60.0, settled_mm: 0.05, overshoot_percent: 1.0, time_s: 1.5 };
 
@@ -95,7 +95,7 @@ fn a_dither_is_searched_only_where_the_rig_says_that_its_user_can_set_it() {
 #[test]
 fn what_cannot_be_tuned_is_refused_by_what_to_change() {
     let message = |rig: &str, settings: &[&str]| {
-        tune(&task(rig, settings), |_| {}, Wanted::ALWAYS).expect_err("refused").to_string()
+        tune(&task(rig, settings), |_| {}, CancelToken::NEVER).expect_err("refused").to_string()
     };
     assert!(message("servo-b", &["controller.law=on-off"]).contains("choose controller.law=gain-profile"));
     assert!(
@@ -103,7 +103,7 @@ fn what_cannot_be_tuned_is_refused_by_what_to_change() {
             .contains("controller.loop=closed")
     );
     let long = Task { goal: Goal { step_mm: 299.0, ..GOAL }, ..task("servo-b", &[]) };
-    let error = tune(&long, |_| {}, Wanted::ALWAYS).expect_err("too long").to_string();
+    let error = tune(&long, |_| {}, CancelToken::NEVER).expect_err("too long").to_string();
     assert!(error.contains("does not fit between 3.0 and 297.0 mm of the stroke of 300 mm"), "{error}");
 }
 
@@ -236,7 +236,7 @@ fn genes_of_a_rig_with_another_encoder_or_period_are_in_its_own_counts_and_sampl
     let task = task("servo-b", &[]);
     let gain = |more: &[&str], key: &str| {
         let more: Vec<String> = more.iter().map(|&one| one.to_owned()).collect();
-        let drive = Drive::of(&task, &more, Wanted::ALWAYS).expect("a drive");
+        let drive = TunedDrive::of(&task, &more, CancelToken::NEVER).expect("a drive");
         let settings = drive.space.settings(&vec![0.4; drive.space.len()]);
         let value = settings.iter().find_map(|one| one.strip_prefix(&format!("{key}="))).expect("a gain");
         value.parse::<f64>().expect("a number")
@@ -253,7 +253,7 @@ fn the_same_gains_are_found_on_any_number_of_threads_and_they_are_no_worse_than_
     let task = task("servo-a", &[]);
     let [one, three] = [1, 3].map(|threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
-        pool.install(|| tune(&task, |_| {}, Wanted::ALWAYS)).expect("a tuning")
+        pool.install(|| tune(&task, |_| {}, CancelToken::NEVER)).expect("a tuning")
     });
     assert_eq!(one.after.settings, three.after.settings);
     assert_eq!((&one.progress, &one.after), (&three.progress, &three.after));
@@ -275,7 +275,7 @@ fn the_same_gains_are_found_on_any_number_of_threads_and_they_are_no_worse_than_
 fn progress_counts_the_runs_of_each_stage_to_their_end() {
     let task = task("servo-a", &[]);
     let mut told = Vec::new();
-    let tuned = tune(&task, |at| told.push(at), Wanted::ALWAYS).expect("a tuning");
+    let tuned = tune(&task, |at| told.push(at), CancelToken::NEVER).expect("a tuning");
     let of = |stage: Stage| told.iter().filter(move |at| at.stage == stage).collect::<Vec<_>>();
     let trials = tuned.tuned_on.len();
     for (stage, all) in [
@@ -297,7 +297,7 @@ fn progress_counts_the_runs_of_each_stage_to_their_end() {
 fn without_a_generation_the_gains_of_the_file_are_judged() {
     let task =
         Task { budget: Budget { generations: 0, ..task("servo-a", &[]).budget }, ..task("servo-a", &[]) };
-    let judged = tune(&task, |_| {}, Wanted::ALWAYS).expect("figures");
+    let judged = tune(&task, |_| {}, CancelToken::NEVER).expect("figures");
     assert!(!judged.is_changed() && judged.obstacles.is_empty() && judged.progress.is_empty());
     assert_eq!(judged.after, judged.before);
     assert_eq!(judged.after.fresh.len(), 4);

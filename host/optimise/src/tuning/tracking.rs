@@ -21,8 +21,8 @@ use super::drive::{Meter, Stage};
 use super::trial::{DWELL_S, MEMBERS, Trial};
 use super::{Progress, Task, Tuned, Variant};
 use limit::Following;
+use pneudrive_evaluate::cancel::{CancelToken, Cancelled};
 use pneudrive_evaluate::parallel;
-use pneudrive_evaluate::wanted::{CalledOff, Wanted};
 use sine::Sine;
 
 /// Of the sines.
@@ -57,8 +57,8 @@ pub struct Tracked {
     pub draws: Vec<Result<Following, String>>,
 }
 
-/// Follows the sines with the gains of the file, those that were found, and feed-forward; as many as there is time for while
-/// they are `wanted`.
+/// Follows the sines with the gains of the file, those that were found, and feed-forward; as many as there is time for, until
+/// `cancel` ends it.
 ///
 /// # Errors
 /// When they cannot be simulated.
@@ -66,7 +66,7 @@ pub fn tracked(
     task: &Task,
     tuned: &Tuned,
     mut progress: impl FnMut(Progress) + Send,
-    wanted: Wanted<'_>,
+    cancel: CancelToken<'_>,
 ) -> Result<Vec<Tracked>> {
     let trial = Trial::of(task, &[])?;
     let draws = &tuned.fresh[..tuned.fresh.len().min(DRAWS)];
@@ -76,13 +76,17 @@ pub fn tracked(
     let mut tracked = Vec::new();
     for frequency_hz in FREQUENCIES_HZ {
         let sine = Sine::of(&trial, frequency_hz);
-        for (gains, settings) in all.iter().take_while(|_| wanted.now()) {
+        for (gains, settings) in all.iter().take_while(|_| cancel.is_live()) {
             let nominal = trial.rig_on(&sine.course(), settings, &Variant::NOMINAL)?;
             let follow = |rig: &Rig, run: &_| Following::of(&sine, rig, run);
             let runs = Trial::measure_members(&nominal, follow)?;
             meter.done(MEMBERS);
             let on_draw = |draw: &Variant| {
-                if wanted.now() { on_draw(&trial, &sine, settings, draw) } else { Err(CalledOff.to_string()) }
+                if cancel.is_live() {
+                    on_draw(&trial, &sine, settings, draw)
+                } else {
+                    Err(Cancelled.to_string())
+                }
             };
             let draws = parallel::map(draws, on_draw, |_| meter.done(1));
             tracked.push(Tracked { sine, gains: *gains, settings: settings.clone(), runs, draws });

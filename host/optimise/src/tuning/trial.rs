@@ -15,9 +15,9 @@ use super::goal::{Goal, Performance};
 use super::{Task, Variant};
 use crate::ensemble::run_ensemble;
 use crate::runners::Runners;
+use pneudrive_evaluate::cancel::CancelToken;
 use pneudrive_evaluate::evaluation::{Motion, Move, moves};
 use pneudrive_evaluate::transient::Transient;
-use pneudrive_evaluate::wanted::Wanted;
 
 /// Runs of the file's rig and its perturbed runs.
 pub(super) const MEMBERS: usize = 8;
@@ -52,13 +52,13 @@ pub struct Trial {
     file: RigFile,
     settings: Vec<String>,
     goal: Goal,
-    way: Way,
+    way: StepRange,
     runners: Arc<Runners>,
 }
 
 /// Where a step may lie, and how far it goes, counts; and how long it has.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Way {
+struct StepRange {
     low: i64,
     high: i64,
     step: i64,
@@ -68,7 +68,7 @@ struct Way {
 }
 
 /// The task of a drive on a rig.
-pub(super) struct Course {
+pub(super) struct TaskMoves {
     /// As `key=value`.
     pub moves: String,
     /// How long it takes, s.
@@ -96,7 +96,7 @@ impl Trial {
         let text = rig_text::without(text, "test", &SCHEDULE).unwrap_or_else(|_| text.clone());
         let file = RigFile::read(name, &text);
         let bare = with_moves(&file, &unlimited(&settings), "test.moves=[[0.0, 0]]").map_err(without)?;
-        let way = Way::of(&bare, task)?;
+        let way = StepRange::of(&bare, task)?;
         let trial = Trial { rig: bare, file, settings, goal: task.goal, way, runners: Arc::default() };
         let rig = trial.rig_of(&[], &Variant::NOMINAL)?;
         Ok(Trial { rig, ..trial })
@@ -133,7 +133,8 @@ impl Trial {
         measure: impl Fn(&Rig, &Run) -> Result<T, String> + Sync,
     ) -> Result<Vec<Result<T, String>>> {
         let measure = |rig: &Rig, run: &Run| to_its_end(run, |run| measure(rig, run));
-        let ensemble = run_ensemble(rig, Accuracy::of(rig), spacing(), measure, |_, _| {}, Wanted::ALWAYS)?;
+        let ensemble =
+            run_ensemble(rig, Accuracy::of(rig), spacing(), measure, |_, _| {}, CancelToken::NEVER)?;
         let failed = ensemble.nominal.lost.failed.into_iter().map(Err);
         Ok(ensemble.measured.into_iter().chain(failed).collect())
     }
@@ -202,7 +203,7 @@ impl Trial {
     /// A variant of the rig with these gains, whose test is this course.
     pub(super) fn rig_on(
         &self,
-        course: &Course,
+        course: &TaskMoves,
         gains: &[String],
         variant: &Variant,
     ) -> Result<Rig, Problems> {
@@ -236,10 +237,10 @@ fn unlimited(settings: &[String]) -> Vec<String> {
     settings.iter().cloned().chain(["controller.loop=open".to_owned()]).collect()
 }
 
-impl Way {
+impl StepRange {
     /// Between the positions that are typed and the software ends; from the ends of the stroke a step keeps the
     /// distance that it may overshoot by, or settle within.
-    fn of(rig: &Rig, task: &Task) -> Result<Way> {
+    fn of(rig: &Rig, task: &Task) -> Result<StepRange> {
         let (mm, goal) = (mm_per_count(rig), &task.goal);
         let clear_mm = goal.settled_mm.max(goal.step_mm * goal.overshoot_percent / 100.0);
         let stroke_mm = 1e3 * rig.get(&keys::actuator::STROKE_M);
@@ -248,7 +249,7 @@ impl Way {
         let low_mm = ends.fold(clear_mm, f64::max);
         let ends = [highest, rig.get(&keys::safety::END_MAX_MM)].into_iter().flatten();
         let high_mm = ends.fold(stroke_mm - clear_mm, f64::min);
-        let way = Way {
+        let way = StepRange {
             low: (low_mm / mm).ceil() as i64,
             high: (high_mm / mm).floor() as i64,
             step: (goal.step_mm / mm).round() as i64,
@@ -272,10 +273,10 @@ impl Way {
         if variant.extends { ends } else { [ends[1], ends[0]] }
     }
 
-    fn step(&self, variant: &Variant) -> Course {
+    fn step(&self, variant: &Variant) -> TaskMoves {
         let [from, to] = self.setpoints(variant);
         let (there, back) = (DWELL_S, DWELL_S + self.time_s);
-        Course {
+        TaskMoves {
             moves: format!("test.moves=[[0.0, {from}], [{there:?}, {to}], [{back:?}, {from}]]"),
             duration_s: DWELL_S + 2.0 * self.time_s,
             from,

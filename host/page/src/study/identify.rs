@@ -1,6 +1,6 @@
 //! Parameters of the rig of the page from the records on it.
 
-use pneudrive_evaluate::wanted::Wanted;
+use pneudrive_evaluate::cancel::CancelToken;
 use pneudrive_identify::figures::Figures;
 use pneudrive_identify::parameter::{Parameter, usual};
 use pneudrive_identify::recording::Recording;
@@ -10,23 +10,23 @@ use serde::Deserialize;
 use serde_json::{Value, json};
 
 use super::{Audience, exhibit};
-use crate::asked::{Asked, quoted};
 use crate::compare::Record;
-use crate::refusal::Refusal;
+use crate::page_rig::{PageRig, quoted};
+use crate::refusal::HttpRefusal;
 
 /// A rig, its records, and the keys to fit.
 #[derive(Debug, Deserialize)]
-pub struct Asks {
+pub struct IdentifyRequest {
     #[serde(flatten)]
-    asked: Asked,
+    asked: PageRig,
     records: Vec<Record>,
     /// Keys; none: those that are never known exactly.
     #[serde(default)]
     fit: Vec<String>,
 }
 
-impl Asks {
-    pub fn plan(&self) -> Result<Value, Refusal> {
+impl IdentifyRequest {
+    pub fn plan(&self) -> Result<Value, HttpRefusal> {
         let rig = self.asked.rig()?;
         let fitted = self.parameters(&rig)?;
         self.recordings(&rig)?;
@@ -43,18 +43,18 @@ impl Asks {
         }))
     }
 
-    pub fn work(&self, audience: Audience<'_>) -> Result<Value, Refusal> {
+    pub fn work(&self, audience: Audience<'_>) -> Result<Value, HttpRefusal> {
         let rig = self.asked.rig()?;
         let (recordings, fitted) = (self.recordings(&rig)?, self.parameters(&rig)?);
         if recordings.is_empty() {
-            return Err(Refusal::wrong("drop a TARGET file of the rig on the page first"));
+            return Err(HttpRefusal::wrong("drop a TARGET file of the rig on the page first"));
         }
         let (accuracy, read) = (Accuracy::of(&rig), Figures::of(&rig, &recordings));
         let mut tell = |what: &str| (audience.hears)(json!({ "what": what, "done": 0, "all": 0 }));
-        let wanted = Wanted::so_long(audience.waits);
-        let found = identify(&rig, &recordings, fitted, accuracy, &mut tell, wanted);
-        let wrong = |error: &anyhow::Error| Refusal::wrong(format!("{error:#}"));
-        let found = found.map_err(|error| Refusal::gone_or(&error, wrong))?;
+        let cancel = CancelToken::cancelled_unless(audience.waits);
+        let found = identify(&rig, &recordings, fitted, accuracy, &mut tell, cancel);
+        let wrong = |error: &anyhow::Error| HttpRefusal::wrong(format!("{error:#}"));
+        let found = found.map_err(|error| HttpRefusal::gone_or(&error, wrong))?;
         let mut page = report::page(&rig, &recordings, accuracy, &found, read.table(&rig));
         page.notes.splice(0..0, report::refusal(&found).map(|why| format!("No fit: {why}.")));
         let mut result = json!({ "read_off": report::read_off(&read) });
@@ -66,18 +66,18 @@ impl Asks {
         Ok(json!({ "result": result, "page": exhibit::to_json(&page), "settings": settings(&found) }))
     }
 
-    fn parameters(&self, rig: &Rig) -> Result<Vec<Parameter>, Refusal> {
+    fn parameters(&self, rig: &Rig) -> Result<Vec<Parameter>, HttpRefusal> {
         if self.fit.is_empty() {
             return Ok(usual(rig));
         }
         let fit = self.fit.iter().map(|key| Parameter::of(rig, key));
-        fit.collect::<Result<_, _>>().map_err(|error| Refusal::wrong(format!("{error:#}")))
+        fit.collect::<Result<_, _>>().map_err(|error| HttpRefusal::wrong(format!("{error:#}")))
     }
 
-    fn recordings(&self, rig: &Rig) -> Result<Vec<Recording>, Refusal> {
+    fn recordings(&self, rig: &Rig) -> Result<Vec<Recording>, HttpRefusal> {
         let recording = |record: &Record| {
             let recording = Recording::of(&record.name, &record.target()?, rig);
-            recording.map_err(|error| Refusal::wrong(format!("{error:#}")))
+            recording.map_err(|error| HttpRefusal::wrong(format!("{error:#}")))
         };
         self.records.iter().map(recording).collect()
     }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-use pneudrive_evaluate::wanted::Wanted;
+use pneudrive_evaluate::cancel::CancelToken;
 use pneudrive_optimise::sweep::execution::each_point;
 use pneudrive_optimise::sweep::metric::FIGURES;
 use pneudrive_optimise::sweep::{Row, Source, Sweep, numbers, report};
@@ -14,8 +14,8 @@ use serde_json::{Value, json};
 
 use super::meter::Meter;
 use super::{Audience, exhibit};
-use crate::asked::Asked;
-use crate::refusal::Refusal;
+use crate::page_rig::PageRig;
+use crate::refusal::HttpRefusal;
 use crate::rigs::in_key_units;
 use crate::simulation::{MAX_SAMPLES, rig_of};
 
@@ -27,9 +27,9 @@ const FILE: &str = "sweep.toml";
 
 /// The keys that vary, and the figures to collect.
 #[derive(Debug, Deserialize)]
-pub struct Asks {
+pub struct SweepRequest {
     #[serde(flatten)]
-    asked: Asked,
+    asked: PageRig,
     vary: Vec<Varied>,
     /// Names of figures.
     metrics: Vec<String>,
@@ -44,12 +44,12 @@ pub struct Asks {
 struct Varied {
     key: String,
     #[serde(flatten)]
-    over: Over,
+    over: AxisValues,
 }
 
 #[derive(Debug, Deserialize)]
 #[serde(untagged)]
-enum Over {
+enum AxisValues {
     Words {
         words: Vec<String>,
     },
@@ -75,8 +75,8 @@ enum Aim {
     Maximise,
 }
 
-impl Asks {
-    pub fn plan(&self) -> Result<Value, Refusal> {
+impl SweepRequest {
+    pub fn plan(&self) -> Result<Value, HttpRefusal> {
         let sweep = self.sweep()?;
         let size = match sweep.ensemble {
             1 => format!("{} points", sweep.points()),
@@ -89,19 +89,19 @@ impl Asks {
         }))
     }
 
-    pub fn work(&self, audience: Audience<'_>) -> Result<Value, Refusal> {
+    pub fn work(&self, audience: Audience<'_>) -> Result<Value, HttpRefusal> {
         let sweep = self.sweep()?;
         let all: Vec<usize> = (0..sweep.points()).collect();
         let mut meter = Meter::new(audience.hears);
         let mut rows = BTreeMap::new();
         meter.at("points", 0, all.len());
         let done = each_point(&sweep, &all, |row: Row| {
-            Wanted::so_long(audience.waits).check()?;
+            CancelToken::cancelled_unless(audience.waits).check()?;
             rows.insert(row.point, row);
             meter.at("points", rows.len(), all.len());
             Ok(())
         });
-        done.map_err(|error| Refusal::gone_or(&error, Refusal::of))?;
+        done.map_err(|error| HttpRefusal::gone_or(&error, HttpRefusal::of))?;
         let rows: Vec<Row> = rows.into_values().collect();
         Ok(json!({
             "result": numbers::to_json(&sweep, &rows),
@@ -115,7 +115,7 @@ impl Asks {
         self.vary.iter().zip(&row.levels).map(|(varied, level)| format!("{}={level}", varied.key)).collect()
     }
 
-    fn sweep(&self) -> Result<Sweep, Refusal> {
+    fn sweep(&self) -> Result<Sweep, HttpRefusal> {
         rig_of(&self.asked)?;
         let source = Source { name: FILE.to_owned(), text: self.text()? };
         let rig = || Source { name: self.asked.name.clone(), text: self.asked.text.clone() };
@@ -125,7 +125,7 @@ impl Asks {
                 "{} points: the studio sweeps over {MAX_POINTS} at most; `pneudrive sweep` takes more",
                 sweep.points()
             );
-            return Err(Refusal::wrong(message));
+            return Err(HttpRefusal::wrong(message));
         }
         refuse_long(&sweep)?;
         Ok(sweep)
@@ -138,7 +138,7 @@ impl Asks {
     }
 
     /// The sweep file.
-    fn text(&self) -> Result<String, Refusal> {
+    fn text(&self) -> Result<String, HttpRefusal> {
         let mut text = format!("rig = {:?}\n", self.asked.name);
         if self.runs > 1 {
             let _ = writeln!(text, "ensemble = {}", self.runs);
@@ -162,7 +162,7 @@ impl Asks {
 }
 
 /// Refuses a sweep if the test of a point has more samples than a page waits for.
-fn refuse_long(sweep: &Sweep) -> Result<(), Refusal> {
+fn refuse_long(sweep: &Sweep) -> Result<(), HttpRefusal> {
     // A level that is not a plain number counts as too long a test.
     let levels = |key: &str, unknown: f64| -> Vec<f64> {
         match sweep.axes.iter().find(|axis| axis.name == key) {
@@ -174,7 +174,7 @@ fn refuse_long(sweep: &Sweep) -> Result<(), Refusal> {
     let shortest_s = levels(keys::controller::PERIOD_S.path, 0.0).into_iter().fold(f64::INFINITY, f64::min);
     let samples = (longest_s / shortest_s).floor();
     if samples > f64::from(MAX_SAMPLES) {
-        return Err(Refusal::wrong(format!(
+        return Err(HttpRefusal::wrong(format!(
             "test.duration_s, controller.period_s: a point would have {samples} samples, and the studio simulates {MAX_SAMPLES} at most; `pneudrive sweep` takes longer ones"
         )));
     }
@@ -187,20 +187,20 @@ fn section(text: &mut String, name: &str, mut lines: impl Iterator<Item = String
     let _ = write!(text, "\n[{name}]\n{first}\n{rest}");
 }
 
-fn known(name: &str) -> Result<&'static str, Refusal> {
+fn known(name: &str) -> Result<&'static str, HttpRefusal> {
     let figure = FIGURES.iter().find(|figure| figure.name == name);
     figure
         .map(|figure| figure.name)
-        .ok_or_else(|| Refusal::wrong(format!("metrics: there is no figure {name:?}")))
+        .ok_or_else(|| HttpRefusal::wrong(format!("metrics: there is no figure {name:?}")))
 }
 
 impl Varied {
     /// The text in the sweep file.
-    fn line(&self) -> Result<String, Refusal> {
-        let key =
-            find_key(&self.key).ok_or_else(|| Refusal::wrong(format!("there is no key {:?}", self.key)))?;
+    fn line(&self) -> Result<String, HttpRefusal> {
+        let key = find_key(&self.key)
+            .ok_or_else(|| HttpRefusal::wrong(format!("there is no key {:?}", self.key)))?;
         match &self.over {
-            Over::Words { words } => {
+            AxisValues::Words { words } => {
                 let is_switch = matches!(key.kind, Kind::Switch);
                 let word = |word: &String| match word.as_str() {
                     "true" | "false" if is_switch => word.clone(),
@@ -208,11 +208,11 @@ impl Varied {
                 };
                 Ok(format!("{} = [{}]", key.path, words.iter().map(word).collect::<Vec<_>>().join(", ")))
             }
-            Over::Range { from: Some(from), to: Some(to), steps: Some(steps), logarithmic } => {
+            AxisValues::Range { from: Some(from), to: Some(to), steps: Some(steps), logarithmic } => {
                 let spacing = if *logarithmic { ", spacing = \"log\"" } else { "" };
                 Ok(format!("{} = {{ from = {from:?}, to = {to:?}, steps = {steps}{spacing} }}", key.path))
             }
-            Over::Range { .. } => Err(Refusal::wrong(format!(
+            AxisValues::Range { .. } => Err(HttpRefusal::wrong(format!(
                 "{}: give from, to and the number of values as numbers",
                 key.path
             ))),
@@ -227,7 +227,7 @@ mod tests {
     use super::*;
 
     /// A sweep of one key of a rig with these settings.
-    fn asks(settings: &[&str], key: &str, [from, to]: [f64; 2]) -> Asks {
+    fn asks(settings: &[&str], key: &str, [from, to]: [f64; 2]) -> SweepRequest {
         let asks = json!({
             "name": "servo-b-tuned", "text": builtin("servo-b-tuned").expect("a built-in rig"),
             "settings": settings, "vary": [{ "key": key, "from": from, "to": to, "steps": 3 }],

@@ -2,7 +2,7 @@
 
 use std::ops::RangeInclusive;
 
-use pneudrive_evaluate::wanted::Wanted;
+use pneudrive_evaluate::cancel::CancelToken;
 use pneudrive_optimise::tuning::search::Budget;
 use pneudrive_optimise::tuning::{self, Behaviour, Progress, Relative, Stage, Task, behaviour, report, tune};
 use serde::{Deserialize, Serialize};
@@ -10,14 +10,14 @@ use serde_json::{Value, json};
 
 use super::meter::Meter;
 use super::{Audience, exhibit};
-use crate::asked::Asked;
-use crate::refusal::Refusal;
+use crate::page_rig::PageRig;
+use crate::refusal::HttpRefusal;
 
 /// A rig, and the requirements on a step.
 #[derive(Debug, Deserialize)]
-pub struct Asks {
+pub struct TuneRequest {
     #[serde(flatten)]
-    asked: Asked,
+    asked: PageRig,
     goal: Goal,
 }
 
@@ -64,30 +64,31 @@ impl Default for Goal {
     }
 }
 
-impl Asks {
-    pub fn plan(&self) -> Result<Value, Refusal> {
+impl TuneRequest {
+    pub fn plan(&self) -> Result<Value, HttpRefusal> {
         let task = self.task()?;
-        let runs = task.max_runs().map_err(|error| Refusal::wrong(format!("{error:#}")))?;
+        let runs = task.max_runs().map_err(|error| HttpRefusal::wrong(format!("{error:#}")))?;
         Ok(json!({
             "command": self.asked.command("tune", &format!("{} --out tuned", self.goal.options())),
             "size": format!("{runs} runs at most"),
         }))
     }
 
-    pub fn work(&self, audience: Audience<'_>) -> Result<Value, Refusal> {
-        let (task, wanted) = (self.task()?, Wanted::so_long(audience.waits));
-        let impossible =
-            |error: anyhow::Error| Refusal::gone_or(&error, |error| Refusal::wrong(format!("{error:#}")));
+    pub fn work(&self, audience: Audience<'_>) -> Result<Value, HttpRefusal> {
+        let (task, cancel) = (self.task()?, CancelToken::cancelled_unless(audience.waits));
+        let impossible = |error: anyhow::Error| {
+            HttpRefusal::gone_or(&error, |error| HttpRefusal::wrong(format!("{error:#}")))
+        };
         let most = task.max_runs().map_err(impossible)?;
-        let runs = tune(&task.taste(), |_| {}, wanted).map_err(impossible)?.runs;
+        let runs = tune(&task.taste(), |_| {}, cancel).map_err(impossible)?.runs;
         // The time since the page has asked, times `all` over `done`, is how long it takes at most.
         let all = most as f64 + behaviour::steps_worth(&task);
         (audience.hears)(json!({ "what": "taste", "done": runs, "all": all }));
         let mut meter = Meter::new(audience.hears);
         let tell = |at: Progress| meter.at(stage(at.stage), at.done, at.all);
-        let tuned = tune(&task, tell, wanted).map_err(impossible)?;
+        let tuned = tune(&task, tell, cancel).map_err(impossible)?;
         let tell = |at: Progress| meter.at(stage(at.stage), at.done, at.all);
-        let behaviour = Behaviour::of(&task, &tuned, tell, wanted).map_err(impossible)?;
+        let behaviour = Behaviour::of(&task, &tuned, tell, cancel).map_err(impossible)?;
         let (mut page, draws) = report::page(&task, &tuned, &behaviour).map_err(impossible)?;
         page.figures.insert(0, draws);
         Ok(json!({
@@ -97,7 +98,7 @@ impl Asks {
         }))
     }
 
-    fn task(&self) -> Result<Task, Refusal> {
+    fn task(&self) -> Result<Task, HttpRefusal> {
         self.asked.rig()?;
         let goal = self.goal.checked()?;
         Ok(Task {
@@ -137,7 +138,7 @@ fn stage(stage: Stage) -> &'static str {
 
 impl Goal {
     /// Within the ranges of the command's options.
-    fn checked(self) -> Result<Goal, Refusal> {
+    fn checked(self) -> Result<Goal, HttpRefusal> {
         let above_zero = f64::MIN_POSITIVE..=f64::MAX;
         within("step", self.step_mm, &above_zero, "above 0 mm")?;
         within("settled within", self.settled_mm, &above_zero, "above 0 mm")?;
@@ -180,11 +181,11 @@ fn within<T: PartialOrd + std::fmt::Display>(
     value: T,
     range: &RangeInclusive<T>,
     words: &str,
-) -> Result<(), Refusal> {
+) -> Result<(), HttpRefusal> {
     if range.contains(&value) {
         Ok(())
     } else {
-        Err(Refusal::wrong(format!("{name} must be {words}, is {value}")))
+        Err(HttpRefusal::wrong(format!("{name} must be {words}, is {value}")))
     }
 }
 

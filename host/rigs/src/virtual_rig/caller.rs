@@ -10,7 +10,8 @@ use anyhow::{Result, bail};
 use pneudrive_app::{Board, Control, Server};
 use pneudrive_link::port::{is_wait, read_some};
 use pneudrive_protocol::{
-    Accumulator, MAX_FRAME, MAX_TEXT, Refused, Reply, ReplyBody, RequestBody, code, decode_request, encode,
+    Accumulator, MAX_FRAME, MAX_TEXT, Reply, ReplyBody, RequestBody, RequestRefusal, code, decode_request,
+    encode,
 };
 use subtle::ConstantTimeEq;
 
@@ -126,7 +127,8 @@ impl Caller {
             }
             _ => false,
         };
-        let body = if knows { ReplyBody::Done } else { ReplyBody::Refused(Refused::NotNow(code::TOKEN)) };
+        let body =
+            if knows { ReplyBody::Done } else { ReplyBody::Refused(RequestRefusal::NotNow(code::TOKEN)) };
         let mut frame = [0; MAX_FRAME];
         replies.extend(encode(&Reply { sequence: request.sequence, body }, &mut frame).unwrap_or(&[]));
         if knows {

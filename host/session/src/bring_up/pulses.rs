@@ -52,7 +52,7 @@ const WALK_TO_NULL: Duration = Duration::from_secs(2);
 const LOOK: Duration = Duration::from_millis(5);
 
 /// An unexpected end of a pulse.
-pub(super) enum Surprise {
+pub(super) enum UnexpectedEnd {
     /// With this fault.
     Tripped(u8),
     /// Stopped by this program: the slide went too far.
@@ -60,7 +60,7 @@ pub(super) enum Surprise {
 }
 
 /// The result of a pulse, unless it ends unexpectedly.
-pub(super) type Pulsed<T> = Result<Result<T, Surprise>>;
+pub(super) type Pulsed<T> = Result<Result<T, UnexpectedEnd>>;
 
 /// The smallest changes that count as an answer.
 #[derive(Clone, Copy, Debug)]
@@ -208,10 +208,10 @@ impl BringUp<'_> {
             let status = self.look()?;
             match status.mode {
                 Mode::Done => return Ok(Ok(())),
-                Mode::Fault => return Ok(Err(Surprise::Tripped(status.fault))),
+                Mode::Fault => return Ok(Err(UnexpectedEnd::Tripped(status.fault))),
                 Mode::Running if status.index > 0 && status.position.abs_diff(from) > reach => {
                     self.client.stop()?;
-                    return Ok(Err(Surprise::TooFar));
+                    return Ok(Err(UnexpectedEnd::TooFar));
                 }
                 Mode::Running => std::thread::sleep(LOOK),
                 Mode::Disarmed | Mode::Armed | Mode::Homing => {
@@ -332,14 +332,14 @@ fn swaps(signs: &Signs) -> Vec<String> {
 }
 
 /// The error for an unexpected end.
-pub(super) fn surprised(name: &'static str, did: &str, surprise: &Surprise) -> Check {
+pub(super) fn surprised(name: &'static str, did: &str, surprise: &UnexpectedEnd) -> Check {
     let (saw, advice) = match surprise {
-        Surprise::TooFar => (
+        UnexpectedEnd::TooFar => (
             format!("the slide went too far and was stopped (fault {})", words::fault_code_name(Fault::Stop.code())),
             "a larger command than the drive needs: lower --most, throttle the air, or check the stage of the converter"
                 .to_owned(),
         ),
-        Surprise::Tripped(code) => (
+        UnexpectedEnd::Tripped(code) => (
             format!("the drive tripped: {} ({})", words::fault_code_name(*code), words::fault_meaning(*code)),
             "find the reason of the fault; `pneudrive device arm` clears it".to_owned(),
         ),

@@ -2,7 +2,7 @@
 
 use anyhow::{Context, Result, anyhow, bail};
 use pneudrive_link::client::{Client, Io};
-use pneudrive_protocol::Refused;
+use pneudrive_protocol::RequestRefusal;
 use pneudrive_protocol::io::{input, output, refused};
 use pneudrive_records::words;
 use serde_json::{Map, Value, json};
@@ -98,6 +98,6 @@ fn reason(code: u8) -> String {
         refused::UNSETTLED => {
             "start or number changed before they had settled: keep both for at least safety.input_debounce_s and safety.input_settling_s".to_owned()
         }
-        code => words::refusal(&Refused::NotNow(code)),
+        code => words::refusal(&RequestRefusal::NotNow(code)),
     }
 }

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::{Error, Result, bail};
 use pneudrive_controller::parameters::id;
-use pneudrive_identify::plan::{self, Bench, NEEDS_PRESSURES, Recorded};
+use pneudrive_identify::plan::{self, NEEDS_PRESSURES, Recorded, TestRig};
 use pneudrive_link::client::Client;
 use pneudrive_records::target::TargetFile;
 use pneudrive_records::units::lacks_pressures;
@@ -72,7 +72,7 @@ struct AtPort<'a> {
     folder: &'a Path,
 }
 
-impl Bench for AtPort<'_> {
+impl TestRig for AtPort<'_> {
     fn run(&mut self, test: &Rig) -> Result<()> {
         set_loop(self.client, test)?;
         run_test(self.client, TestRun::of(test), None)?;

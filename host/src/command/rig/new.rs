@@ -5,10 +5,10 @@ use std::path::Path;
 
 use anyhow::{Context, Result, bail};
 use clap::Parser;
-use pneudrive_design::mended::mended;
 use pneudrive_design::own_drive::{remarks, rig_file};
 use pneudrive_design::parts::{self, Family, Figure, Part};
-use pneudrive_design::question::{Answers, QUESTIONS, Question, Refusal};
+use pneudrive_design::question::{AnswerProblem, Answers, QUESTIONS, Question};
+use pneudrive_design::suggestion::suggestion;
 use pneudrive_design::values;
 use pneudrive_records::whole_file;
 use pneudrive_sim::{Rig, keys};
@@ -63,10 +63,10 @@ pub(super) fn execute(arguments: &NewRig) -> Result<()> {
 }
 
 /// The problem of each answer, and a command with other answers that works.
-fn refused(arguments: &NewRig, answers: &Answers, wrong: &[Refusal]) -> anyhow::Error {
+fn refused(arguments: &NewRig, answers: &Answers, wrong: &[AnswerProblem]) -> anyhow::Error {
     let mut lines: Vec<String> = wrong.iter().map(ToString::to_string).collect();
     lines.extend(
-        mended("own", answers).map(|others| format!("this works: {}", command_of(arguments, &others))),
+        suggestion("own", answers).map(|others| format!("this works: {}", command_of(arguments, &others))),
     );
     anyhow::anyhow!("{}", lines.join("\n"))
 }

@@ -3,8 +3,8 @@
 use std::time::Duration;
 
 use axum::http::StatusCode;
-use pneudrive_page::asked::Asked;
-use pneudrive_page::refusal::Refusal;
+use pneudrive_page::page_rig::PageRig;
+use pneudrive_page::refusal::HttpRefusal;
 use pneudrive_session::bring_up::{MAX_PERCENT, Options, PUSH_WAIT_S};
 use pneudrive_sim::Rig;
 use serde::Deserialize;
@@ -31,10 +31,10 @@ pub enum Orders {
     Release,
     Abort,
     Answer { question: u32, yes: bool },
-    Run { rig: Asked, from_mm: Option<f64> },
-    Go { mm: f64, rig: Asked },
-    Extend { rig: Asked },
-    Retract { rig: Asked },
+    Run { rig: PageRig, from_mm: Option<f64> },
+    Go { mm: f64, rig: PageRig },
+    Extend { rig: PageRig },
+    Retract { rig: PageRig },
 }
 
 impl Orders {
@@ -42,7 +42,7 @@ impl Orders {
     ///
     /// # Errors
     /// When the request's rig is invalid, or a place is not a number.
-    pub fn order(self, stopped: Stopped) -> Result<Order, Refusal> {
+    pub fn order(self, stopped: Stopped) -> Result<Order, HttpRefusal> {
         Ok(match self {
             Orders::Alive => Order::Alive,
             Orders::Arm => Order::Arm,
@@ -65,8 +65,8 @@ impl Orders {
 #[derive(Debug, Deserialize)]
 #[serde(tag = "ask", rename_all = "kebab-case")]
 pub enum Questions {
-    Way { rig: Asked },
-    Parameters { rig: Asked },
+    Way { rig: PageRig },
+    Parameters { rig: PageRig },
     Change { values: Vec<(String, String)> },
     Save,
     Record,
@@ -78,7 +78,7 @@ impl Questions {
     ///
     /// # Errors
     /// When the request's rig is invalid, or the bring-up would go too far.
-    pub fn task(self) -> Result<Task, Refusal> {
+    pub fn task(self) -> Result<Task, HttpRefusal> {
         Ok(match self {
             Questions::Way { rig } => Task::Way(read(&rig)?),
             Questions::Parameters { rig } => Task::Parameters(read(&rig)?),
@@ -92,7 +92,7 @@ impl Questions {
     }
 }
 
-fn options(push_wait_s: u16, most_percent: u8) -> Result<Options, Refusal> {
+fn options(push_wait_s: u16, most_percent: u8) -> Result<Options, HttpRefusal> {
     let within = |value: u16, [least, most]: [u16; 2]| (least..=most).contains(&value);
     if !within(push_wait_s, PUSH_WAIT_S) || !within(most_percent.into(), MAX_PERCENT.map(u16::from)) {
         let ([from, to], [least, most]) = (PUSH_WAIT_S, MAX_PERCENT);
@@ -104,12 +104,12 @@ fn options(push_wait_s: u16, most_percent: u8) -> Result<Options, Refusal> {
     Ok(Options { push_wait, most_percent, ..Options::default() })
 }
 
-fn read(asked: &Asked) -> Result<Box<Rig>, Refusal> {
+fn read(asked: &PageRig) -> Result<Box<Rig>, HttpRefusal> {
     Ok(Box::new(asked.rig()?))
 }
 
-fn wrong(message: impl Into<String>) -> Refusal {
-    Refusal::new(StatusCode::UNPROCESSABLE_ENTITY, message)
+fn wrong(message: impl Into<String>) -> HttpRefusal {
+    HttpRefusal::new(StatusCode::UNPROCESSABLE_ENTITY, message)
 }
 
 #[cfg(test)]

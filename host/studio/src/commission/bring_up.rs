@@ -6,9 +6,9 @@ use pneudrive_protocol::Status;
 use pneudrive_session::bring_up::{self, Check, Operator, Options, Report};
 use serde_json::{Value, json};
 
+use super::drive_view::Reporter;
 use super::ended::Ended;
 use super::order::Orders;
-use super::seen::Teller;
 
 /// Runs the checks. The page follows them; its answer is the report.
 ///
@@ -17,11 +17,11 @@ use super::seen::Teller;
 pub fn bring_up(
     client: &mut Client,
     orders: &mut Orders<'_>,
-    teller: &Teller<'_>,
+    reporter: &Reporter<'_>,
     options: Options,
 ) -> Result<Value> {
     let told = Told { is_on: true, ..Told::default() };
-    let mut hand = Hand { orders, teller, ended: None, asked: 0, told };
+    let mut hand = Hand { orders, reporter, ended: None, asked: 0, told };
     hand.show();
     let made = bring_up::bring_up(client, &mut hand, options);
     let ended = hand.ended;
@@ -42,7 +42,7 @@ fn answer(report: &Report) -> Value {
 /// The page as the operator.
 struct Hand<'a, 'b> {
     orders: &'a mut Orders<'b>,
-    teller: &'a Teller<'a>,
+    reporter: &'a Reporter<'a>,
     /// Why the page has ended the bring-up, if it has.
     ended: Option<Ended>,
     /// The number of the last question.
@@ -65,13 +65,13 @@ impl Hand<'_, '_> {
         let Told { is_on, now, question, checks } = &self.told;
         let question = question.as_ref().map(|(number, text)| json!({ "number": number, "text": text }));
         let shown = json!({ "is_on": is_on, "now": now, "question": question, "checks": checks });
-        self.teller.seen().bring_up = Some(shown);
+        self.reporter.seen().bring_up = Some(shown);
     }
 
     /// Tells the page that its orders during the bring-up are refused.
     fn tell_refused(&mut self) {
         if self.orders.has_refused() {
-            self.teller.tell("not now: the bring-up is on");
+            self.reporter.tell("not now: the bring-up is on");
         }
     }
 
@@ -124,6 +124,6 @@ impl Operator for Hand<'_, '_> {
 
     fn sees(&mut self, status: &Status) {
         self.orders.mind(status.mode.moves());
-        self.teller.look(status, true);
+        self.reporter.look(status, true);
     }
 }

@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, TryRecvError};
 use std::time::{Duration, Instant};
 
-use pneudrive_page::refusal::Refusal;
+use pneudrive_page::refusal::HttpRefusal;
 use pneudrive_session::bring_up::Options;
 use pneudrive_sim::Rig;
 use serde_json::Value;
@@ -94,7 +94,7 @@ pub enum Task {
 }
 
 /// Where the answer goes.
-pub type Reply = oneshot::Sender<Result<Value, Refusal>>;
+pub type Reply = oneshot::Sender<Result<Value, HttpRefusal>>;
 
 /// Who waits until the drive is stopped; dropped if it is not stopped.
 pub type Stopped = oneshot::Sender<()>;

@@ -5,7 +5,7 @@ use axum::http::StatusCode;
 use pneudrive_controller::Parameters;
 use pneudrive_link::client::Client;
 use pneudrive_link::failure::Failure;
-use pneudrive_page::refusal::Refusal;
+use pneudrive_page::refusal::HttpRefusal;
 use pneudrive_records::parameter_names::Written;
 use pneudrive_records::rig_info::RigParameters;
 use pneudrive_sim::Rig;
@@ -47,8 +47,8 @@ fn row(written: &Written, on_drive: &RigParameters, designed: &Parameters) -> Va
 ///
 /// # Errors
 /// Each problem at its parameter.
-pub fn change(client: &mut Client, changes: &[(String, String)]) -> Result<(), Refusal> {
-    let before = client.parameters().map_err(|error| Refusal::of(&error))?.values;
+pub fn change(client: &mut Client, changes: &[(String, String)]) -> Result<(), HttpRefusal> {
+    let before = client.parameters().map_err(|error| HttpRefusal::of(&error))?.values;
     let after = changed(&before, changes)?;
     let pairs = before.iter().zip(after.iter());
     let values: Vec<(u16, i32)> = pairs.filter(|(was, is)| was != is).map(|(_, is)| is).collect();
@@ -59,7 +59,7 @@ pub fn change(client: &mut Client, changes: &[(String, String)]) -> Result<(), R
 }
 
 /// The parameters with some of them set from texts.
-fn changed(before: &Parameters, changes: &[(String, String)]) -> Result<Parameters, Refusal> {
+fn changed(before: &Parameters, changes: &[(String, String)]) -> Result<Parameters, HttpRefusal> {
     let mut after = before.clone();
     let mut problems = Vec::new();
     for (name, text) in changes {
@@ -74,9 +74,9 @@ fn changed(before: &Parameters, changes: &[(String, String)]) -> Result<Paramete
 
 /// The drive's answer at each changed parameter that it names, by key or by the device's own name. If it names none,
 /// at all of them.
-fn refused_by_drive(error: &anyhow::Error, changes: &[(String, String)]) -> Refusal {
+fn refused_by_drive(error: &anyhow::Error, changes: &[(String, String)]) -> HttpRefusal {
     if !error.chain().any(|cause| Failure::of_cause(cause) == Some(Failure::Refused)) {
-        return Refusal::of(error);
+        return HttpRefusal::of(error);
     }
     let message = format!("{error:#}");
     let words: Vec<&str> =
@@ -94,8 +94,8 @@ fn problem(name: &str, message: &str) -> Value {
     json!({ "key": name, "line": null, "message": message })
 }
 
-fn refusal(message: &str, problems: Vec<Value>) -> Refusal {
-    Refusal { status: StatusCode::UNPROCESSABLE_ENTITY, message: message.to_owned(), problems }
+fn refusal(message: &str, problems: Vec<Value>) -> HttpRefusal {
+    HttpRefusal { status: StatusCode::UNPROCESSABLE_ENTITY, message: message.to_owned(), problems }
 }
 
 #[cfg(test)]
@@ -108,7 +108,7 @@ mod tests {
         changes.iter().map(|(name, text)| ((*name).to_owned(), (*text).to_owned())).collect()
     }
 
-    fn keys(refusal: &Refusal) -> Vec<&str> {
+    fn keys(refusal: &HttpRefusal) -> Vec<&str> {
         refusal.problems.iter().filter_map(|problem| problem["key"].as_str()).collect()
     }
 

@@ -20,7 +20,7 @@ use anyhow::{Error, Result};
 use axum::http::StatusCode;
 use pneudrive_link::client::Client;
 use pneudrive_link::failure::Failure;
-use pneudrive_page::refusal::Refusal;
+use pneudrive_page::refusal::HttpRefusal;
 use pneudrive_protocol::{Mode, Status};
 use pneudrive_records::units::Units;
 use pneudrive_session::bring_up::Options;
@@ -28,6 +28,7 @@ use pneudrive_sim::Rig;
 use serde_json::Value;
 
 use super::bring_up::bring_up;
+use super::drive_view::{DriveView, End, Reporter, is_enabled};
 use super::ended::Ended;
 use super::live::Live;
 use super::order::{Arrived, Direction, Gone, JOG_SILENCE, Order, Orders, Stopped, Task};
@@ -35,7 +36,6 @@ use super::order::{Arrived, Direction, Gone, JOG_SILENCE, Order, Orders, Stopped
 use super::order::{MOTION_SILENCE, PAGE_SILENCE};
 use super::parameters;
 use super::record::record;
-use super::seen::{End, Seen, Teller, is_enabled};
 
 /// Time between two looks at the rig.
 const LOOK: Duration = Duration::from_millis(50);
@@ -47,10 +47,10 @@ const LOOK_STREAMED: Duration = Duration::from_millis(20);
 const REST_OF_STREAM: usize = 8;
 
 /// Talks to the rig at a port until the page goes or the link breaks.
-pub fn steer(port: &str, orders: &Receiver<Arrived>, seen: &Mutex<Seen>) {
+pub fn steer(port: &str, orders: &Receiver<Arrived>, seen: &Mutex<DriveView>) {
     let _end = End(seen);
-    let teller = Teller::new(seen, Units::default());
-    let ended = Pilot::connect(port, teller, Orders::of(orders)).and_then(|mut pilot| pilot.follow());
+    let reporter = Reporter::new(seen, Units::default());
+    let ended = Pilot::connect(port, reporter, Orders::of(orders)).and_then(|mut pilot| pilot.follow());
     if let Err(error) = ended {
         seen.lock().unwrap_or_else(PoisonError::into_inner).message = format!("{error:#}");
     }
@@ -58,7 +58,7 @@ pub fn steer(port: &str, orders: &Receiver<Arrived>, seen: &Mutex<Seen>) {
 
 struct Pilot<'a> {
     client: Client,
-    teller: Teller<'a>,
+    reporter: Reporter<'a>,
     orders: Orders<'a>,
     /// Whether the page has enabled the drive.
     is_ours: bool,
@@ -71,9 +71,9 @@ struct Pilot<'a> {
 }
 
 impl<'a> Pilot<'a> {
-    fn connect(port: &str, teller: Teller<'a>, orders: Orders<'a>) -> Result<Pilot<'a>> {
+    fn connect(port: &str, reporter: Reporter<'a>, orders: Orders<'a>) -> Result<Pilot<'a>> {
         let client = Client::connect(port)?;
-        let mut pilot = Pilot { client, teller, orders, is_ours: false, jog: None, live: None, next: None };
+        let mut pilot = Pilot { client, reporter, orders, is_ours: false, jog: None, live: None, next: None };
         pilot.read_scales()?;
         Ok(pilot)
     }
@@ -81,8 +81,8 @@ impl<'a> Pilot<'a> {
     /// Reads the scales of the drive's figures.
     fn read_scales(&mut self) -> Result<()> {
         let parameters = self.client.parameters()?;
-        self.teller.units = Units::of(&parameters);
-        self.teller.seen().stream_hz = Some(Live::rate_hz(&parameters));
+        self.reporter.units = Units::of(&parameters);
+        self.reporter.seen().stream_hz = Some(Live::rate_hz(&parameters));
         Ok(())
     }
 
@@ -106,7 +106,7 @@ impl<'a> Pilot<'a> {
             (self.is_ours, self.jog) = (false, None);
         }
         self.orders.mind(status.mode.moves());
-        self.teller.look(&status, self.live.is_none());
+        self.reporter.look(&status, self.live.is_none());
         Ok(status)
     }
 
@@ -114,7 +114,7 @@ impl<'a> Pilot<'a> {
     fn stream(&mut self, is_running: bool) {
         let Some(live) = &mut self.live else { return };
         match live.take(&mut self.client, !is_running) {
-            Ok(Some(rows)) => live.put(&rows, &mut self.teller.seen().samples, &self.teller.units),
+            Ok(Some(rows)) => live.put(&rows, &mut self.reporter.seen().samples, &self.reporter.units),
             Ok(None) => {
                 self.live = None;
                 // Between tests the rig streams nothing anyway.
@@ -122,13 +122,13 @@ impl<'a> Pilot<'a> {
             }
             Err(error) => {
                 self.live = None;
-                self.teller.tell(format!("the samples of this test are no longer streamed: {error:#}"));
+                self.reporter.tell(format!("the samples of this test are no longer streamed: {error:#}"));
             }
         }
     }
 
     fn tell(&self, message: impl Into<String>) {
-        self.teller.tell(message);
+        self.reporter.tell(message);
     }
 
     /// Disarms the drive if its page or button has been silent for too long.
@@ -186,13 +186,13 @@ impl<'a> Pilot<'a> {
     }
 
     /// Carries out a task with an answer.
-    fn answer(&mut self, task: Task) -> Result<Value, Refusal> {
+    fn answer(&mut self, task: Task) -> Result<Value, HttpRefusal> {
         let answer = match task {
             Task::Way(rig) => self.way(&rig).map(|way| way.map_or(Value::Null, |way| way.question())),
             Task::Parameters(rig) => parameters::table(&mut self.client, &rig),
             Task::Change(changes) => return self.change(&changes),
             Task::Save => self.client.save_parameters().map(|()| Value::Null),
-            Task::Record => record(&mut self.client, &mut self.orders, &self.teller),
+            Task::Record => record(&mut self.client, &mut self.orders, &self.reporter),
             Task::BringUp(options) => self.bring_up(options),
         };
         answer.map_err(|error| {
@@ -215,9 +215,9 @@ impl<'a> Pilot<'a> {
         }
     }
 
-    fn change(&mut self, changes: &[(String, String)]) -> Result<Value, Refusal> {
+    fn change(&mut self, changes: &[(String, String)]) -> Result<Value, HttpRefusal> {
         parameters::change(&mut self.client, changes)?;
-        self.read_scales().map_err(|error| Refusal::of(&error))?;
+        self.read_scales().map_err(|error| HttpRefusal::of(&error))?;
         Ok(Value::Null)
     }
 
@@ -226,8 +226,8 @@ impl<'a> Pilot<'a> {
             self.stream(false);
         }
         // Its pulses are recorded, too, but none of them is the test of the page.
-        self.teller.seen().run_began_s = None;
-        let made = bring_up(&mut self.client, &mut self.orders, &self.teller, options);
+        self.reporter.seen().run_began_s = None;
+        let made = bring_up(&mut self.client, &mut self.orders, &self.reporter, options);
         // Its last request may have had no answer, so the drive may still be enabled.
         self.is_ours |= self.client.commands();
         made
@@ -277,9 +277,9 @@ fn ends_way(order: &Order) -> bool {
 }
 
 /// A request that the drive refuses is a refusal; every other failure is an error.
-fn refused(error: &Error) -> Refusal {
+fn refused(error: &Error) -> HttpRefusal {
     let is_refusal =
         error.is::<Ended>() || error.chain().any(|cause| Failure::of_cause(cause) == Some(Failure::Refused));
     let status = if is_refusal { StatusCode::CONFLICT } else { StatusCode::INTERNAL_SERVER_ERROR };
-    Refusal::new(status, format!("{error:#}"))
+    HttpRefusal::new(status, format!("{error:#}"))
 }

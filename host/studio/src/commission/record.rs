@@ -5,8 +5,8 @@ use pneudrive_link::client::Client;
 use pneudrive_session::record::to_memory;
 use serde_json::{Value, json};
 
+use super::drive_view::Reporter;
 use super::order::Orders;
-use super::seen::Teller;
 
 /// The answer to a page that wants to move the drive meanwhile.
 const BUSY: &str = "not now: the record is being read";
@@ -15,11 +15,11 @@ const BUSY: &str = "not now: the record is being read";
 ///
 /// # Errors
 /// When there is no record, the rig does not answer, or the page ends the download ([`Ended`](super::ended::Ended)).
-pub fn record(client: &mut Client, orders: &mut Orders<'_>, teller: &Teller<'_>) -> Result<Value> {
+pub fn record(client: &mut Client, orders: &mut Orders<'_>, reporter: &Reporter<'_>) -> Result<Value> {
     let (crc32, file) = to_memory(client, &mut |_, _| {
         let heard = orders.goes_on();
         if orders.has_refused() {
-            teller.tell(BUSY);
+            reporter.tell(BUSY);
         }
         heard.map_err(Error::from)
     })?;

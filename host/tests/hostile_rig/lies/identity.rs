@@ -79,7 +79,7 @@ pub const LIES: &[Told] = &[
             }
             RequestBody::Arm { .. } => {
                 let owner = Owner { presence: Presence::There, session: 9, silent_ms: 1, host: EVIL };
-                refused(reply, Refused::Owned(owner))
+                refused(reply, RequestRefusal::Owned(owner))
             }
             _ => Says::Truth,
         },
@@ -88,7 +88,7 @@ pub const LIES: &[Told] = &[
     told(
         "advice with escapes",
         |_, request, reply| match request {
-            RequestBody::ChangeTake { .. } => refused(reply, Refused::Inconsistent { advice: EVIL }),
+            RequestBody::ChangeTake { .. } => refused(reply, RequestRefusal::Inconsistent { advice: EVIL }),
             _ => Says::Truth,
         },
         &[(RUN, "the parameters are inconsistent")],
@@ -97,7 +97,7 @@ pub const LIES: &[Told] = &[
         "a refusal that nobody knows",
         |_, request, reply| match request {
             RequestBody::Info => Says::Truth,
-            _ => refused(reply, Refused::NotNow(250)),
+            _ => refused(reply, RequestRefusal::NotNow(250)),
         },
         &[(STATUS, "code 250"), (RECORD, "code 250"), (CONFIG, "code 250")],
     ),

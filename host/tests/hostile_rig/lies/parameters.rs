@@ -33,7 +33,7 @@ pub const LIES: &[Told] = &[
         "a rig without any parameter",
         |_, request, reply| match *request {
             RequestBody::ConfigGet { first_id, .. } => {
-                refused(reply, Refused::UnknownParameter { id: first_id })
+                refused(reply, RequestRefusal::UnknownParameter { id: first_id })
             }
             _ => Says::Truth,
         },
@@ -42,7 +42,7 @@ pub const LIES: &[Told] = &[
     told(
         "a parameter that was not asked for",
         |_, request, reply| match *request {
-            RequestBody::ConfigGet { .. } => refused(reply, Refused::UnknownParameter { id: 0 }),
+            RequestBody::ConfigGet { .. } => refused(reply, RequestRefusal::UnknownParameter { id: 0 }),
             _ => Says::Truth,
         },
         &[(CONFIG, "! error: ")],

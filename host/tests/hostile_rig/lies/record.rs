@@ -70,7 +70,11 @@ pub const LIES: &[Told] = &[
         |memory, _, reply| {
             let ReplyBody::Chunk { .. } = reply.body else { return Says::Truth };
             memory.count += 1;
-            if memory.count == 1 { Says::Truth } else { refused(reply, Refused::RecordRange { samples: 3 }) }
+            if memory.count == 1 {
+                Says::Truth
+            } else {
+                refused(reply, RequestRefusal::RecordRange { samples: 3 })
+            }
         },
         &[(RECORD, "! error: the record changed while it was read")],
     ),

@@ -61,7 +61,7 @@ pub const LIES: &[Told] = &[
     told(
         "a change that is never whole",
         |_, request, reply| match request {
-            RequestBody::ChangeTake { .. } => refused(reply, Refused::ChangeNotWhole),
+            RequestBody::ChangeTake { .. } => refused(reply, RequestRefusal::ChangeNotWhole),
             _ => Says::Truth,
         },
         &[(RUN, "parts of a change were lost repeatedly")],

@@ -1,10 +1,10 @@
 //! Parts of a rig on a bench: the valve between two pressures, and its operator without air.
 
 use pneudrive_sim::Rig;
-use pneudrive_sim::component::air::Station;
+use pneudrive_sim::component::air::GasState;
 use pneudrive_sim::component::dither::Dither;
 use pneudrive_sim::component::gas::Gas;
-use pneudrive_sim::component::operator::{GUARDS, Model, Operator, Request, SpoolState};
+use pneudrive_sim::component::operator::{GUARDS, Operator, OperatorKind, Request, SpoolState};
 use pneudrive_sim::component::valve::Valve;
 use pneudrive_sim::component::valve::speed_counts;
 use pneudrive_sim::keys;
@@ -40,7 +40,7 @@ impl ValveBench {
     /// The nodes with the spool at a place (m) and pressures (Pa) at the ports.
     pub fn nodes(&mut self, spool: f64, ports_pa: [f64; 2]) -> [Node; 2] {
         let temperature = self.network.supply().temperature;
-        let ports = ports_pa.map(|pressure| Station { exner: self.gas.exner(pressure), temperature });
+        let ports = ports_pa.map(|pressure| GasState { exner: self.gas.exner(pressure), temperature });
         self.network.expect_jump();
         let mut nodes = self.network.flows(&self.valve, spool, &ports, &[PortFlow::Charging; 2]);
         // The direction affects only the temperature, so the second solution has the right signs.
@@ -79,17 +79,17 @@ impl ValveBench {
 /// without a mass.
 fn oscillator(rig: &Rig) -> Option<[f64; 2]> {
     match rig.get(&keys::operator::MODEL) {
-        Model::Solenoid => {
+        OperatorKind::Solenoid => {
             let mass = rig.get(&keys::solenoid::SPOOL_MASS_KG);
             let [damping, spring] = [&keys::solenoid::DAMPING_N_S_PER_M, &keys::solenoid::SPRING_N_PER_MM]
                 .map(|key| rig.get(key));
             Some([damping / (2.0 * mass), 1e3 * spring / mass])
         }
-        Model::Empirical => Some([
+        OperatorKind::Empirical => Some([
             rig.get(&keys::empirical::DAMPING_PER_S) / 2.0,
             rig.get(&keys::empirical::STIFFNESS_PER_MASS_PER_S2),
         ]),
-        Model::Stepper | Model::OnOff => None,
+        OperatorKind::Stepper | OperatorKind::OnOff => None,
     }
 }
 

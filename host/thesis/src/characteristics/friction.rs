@@ -230,7 +230,7 @@ fn rise(rig: &Rig, way: Way) -> Result<Rise, Unfit> {
 /// The command that opens the valve by a quarter, at reading `k`. A stepper walks there step by step.
 fn quarter(rig: &Rig, way: Way, k: u32) -> Command {
     let sign = way.sign() as i8;
-    if rig.get(&keys::operator::MODEL) == operator::Model::Stepper {
+    if rig.get(&keys::operator::MODEL) == operator::OperatorKind::Stepper {
         let steps = (rig.get(&keys::stepper::MAX_STEPS) / 4).max(1);
         let creeps = i64::from(k) < steps;
         return Command { counts: 0, step: if creeps { sign } else { 0 }, drive_enable: true };

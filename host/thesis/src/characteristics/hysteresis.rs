@@ -76,7 +76,7 @@ pub fn sweep(rig: &Rig, dither: Dither, mut read: impl FnMut(&[f64]) -> f64) -> 
 
 /// The largest command of a rig's operator, and the spool's travel for one count, m.
 fn range(rig: &Rig) -> [f64; 2] {
-    if rig.get(&keys::operator::MODEL) == operator::Model::Stepper {
+    if rig.get(&keys::operator::MODEL) == operator::OperatorKind::Stepper {
         return [rig.get(&keys::stepper::MAX_STEPS) as f64, rig.get(&keys::stepper::MM_PER_STEP) * 1e-3];
     }
     [2048.0, rig.get(&keys::valve::SPOOL_TRAVEL_MM) * 1e-3 / 2048.0]
@@ -94,7 +94,7 @@ pub fn mean(spool: &[f64]) -> f64 {
 }
 
 pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
-    if rig.get(&keys::operator::MODEL) == operator::Model::OnOff {
+    if rig.get(&keys::operator::MODEL) == operator::OperatorKind::OnOff {
         return Err(Unfit::NoPart("an on-off operator has three places and no loop"));
     }
     let own = Dither::of(rig);

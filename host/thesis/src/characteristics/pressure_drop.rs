@@ -5,7 +5,7 @@
 use super::points::{evenly, over};
 use super::{Characteristic, Figure, Graph, Unfit};
 use pneudrive_sim::Rig;
-use pneudrive_sim::component::air::Station;
+use pneudrive_sim::component::air::GasState;
 use pneudrive_sim::component::gas::Gas;
 use pneudrive_sim::component::tubing::tubes;
 use pneudrive_sim::keys;
@@ -16,7 +16,7 @@ pub(super) const ABOUT: &str = "pressure behind a tube over its flow (7.1.4)";
 #[must_use]
 pub fn ratio(rig: &Rig, known_pa: f64, flow: f64) -> f64 {
     let gas = Gas::of(rig);
-    let known = Station { exner: gas.exner(known_pa), temperature: rig.get(&keys::supply::TEMPERATURE_K) };
+    let known = GasState { exner: gas.exner(known_pa), temperature: rig.get(&keys::supply::TEMPERATURE_K) };
     let (_, tube) = tubes(rig, &gas);
     gas.pressure(tube.far_exner(&known, flow)) / known_pa
 }

@@ -52,15 +52,15 @@ pub fn at(position: i32) -> Sample {
 }
 
 /// A drive with a configuration and moves, and the samples it is given.
-pub struct Bench {
+pub struct ControllerBench {
     pub config: Config,
     pub sequence: Sequence,
     pub state: State,
 }
 
-impl Bench {
+impl ControllerBench {
     /// An armed drive with these changes to the defaults; its moves: (sample, target).
-    pub fn armed(changes: &[(u16, i32)], moves: &[(u32, i32)]) -> Bench {
+    pub fn armed(changes: &[(u16, i32)], moves: &[(u32, i32)]) -> ControllerBench {
         let mut sequence = Sequence::new(10_000);
         for &(at_sample, target) in moves {
             sequence.push(Move::step(at_sample, target)).expect("room");
@@ -69,17 +69,17 @@ impl Bench {
         state.supervisor.set_referenced();
         state.supervisor.arm().expect("not running");
         let config = Config::new(&changed(changes)).expect("they go together");
-        Bench { config, sequence, state }
+        ControllerBench { config, sequence, state }
     }
 
     /// The same, running.
-    pub fn running(changes: &[(u16, i32)], moves: &[(u32, i32)]) -> Bench {
-        Bench::running_for(10_000, changes, moves)
+    pub fn running(changes: &[(u16, i32)], moves: &[(u32, i32)]) -> ControllerBench {
+        ControllerBench::running_for(10_000, changes, moves)
     }
 
     /// The same, with another number of the last sample.
-    pub fn running_for(last_sample: u32, changes: &[(u16, i32)], moves: &[(u32, i32)]) -> Bench {
-        let mut bench = Bench::armed(changes, moves);
+    pub fn running_for(last_sample: u32, changes: &[(u16, i32)], moves: &[(u32, i32)]) -> ControllerBench {
+        let mut bench = ControllerBench::armed(changes, moves);
         bench.sequence.duration_samples = last_sample;
         bench.state.start(&bench.config, &bench.sequence).expect("armed");
         bench

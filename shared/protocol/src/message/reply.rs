@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{ConfigState, Motion, RecordInfo, Refused, Spread, Status};
+use super::{ConfigState, Motion, RecordInfo, RequestRefusal, Spread, Status};
 use crate::Values;
 use crate::owner::Owner;
 
@@ -55,7 +55,7 @@ pub enum ReplyBody<'a> {
         samples: &'a [u8],
     },
     /// The request was not carried out, and nothing was changed.
-    Refused(#[serde(borrow)] Refused<'a>),
+    Refused(#[serde(borrow)] RequestRefusal<'a>),
     /// How the moves stand.
     Motion(Motion),
     /// Where the parameters come from.

@@ -12,7 +12,7 @@
 //! V dP/dt = n R T_s mdot.
 
 use super::*;
-use crate::component::air::Station;
+use crate::component::air::GasState;
 use pneudrive_solver::{Derivative, Event, Integrator, Method, System};
 
 const VOLUME: f64 = 3e-4;
@@ -21,16 +21,16 @@ const AREA: f64 = 2e-6;
 struct Vessel {
     gas: Gas,
     /// Upstream, of which the pressure stays; None for a discharge into a vacuum.
-    reservoir: Option<Station>,
+    reservoir: Option<GasState>,
 }
 
 impl Vessel {
-    fn air(&self, x: &[f64; 2]) -> Air {
-        Air::of_state(&self.gas, x[0], x[1], VOLUME)
+    fn air(&self, x: &[f64; 2]) -> ChamberAir {
+        ChamberAir::of_state(&self.gas, x[0], x[1], VOLUME)
     }
 
     /// Flow into the vessel and the temperature that it carries.
-    fn flow(&self, air: &Air) -> (f64, f64) {
+    fn flow(&self, air: &ChamberAir) -> (f64, f64) {
         let conductance = AREA * AREA * self.gas.flow_constant();
         let (up, down, sign) = match self.reservoir {
             Some(reservoir) => (reservoir, air.exner, 1.0),
@@ -56,8 +56,8 @@ impl System<2, 0, 0> for Vessel {
 }
 
 /// Pressure and temperature at `until`, from `pressure` and 294 K.
-fn after(vessel: &mut Vessel, pressure: f64, until: f64) -> Air {
-    let start = Air::state_of(&vessel.gas, pressure, 294.0, VOLUME);
+fn after(vessel: &mut Vessel, pressure: f64, until: f64) -> ChamberAir {
+    let start = ChamberAir::state_of(&vessel.gas, pressure, 294.0, VOLUME);
     let mut integrator = Integrator::<2, 0, 0>::new(Method::DormandPrince, 1e-12, [1e-5, 1.0], start);
     integrator.integrate_to(vessel, until, until).expect("smooth");
     vessel.air(integrator.state(until))
@@ -83,9 +83,9 @@ fn a_volume_blows_down_through_a_choked_orifice_as_the_exact_solution_does() {
 #[test]
 fn a_volume_is_charged_through_a_choked_orifice_along_a_straight_line() {
     let gas = Gas::new(1.4, 286.76);
-    let reservoir = Station { exner: gas.exner(589e3), temperature: 294.0 };
+    let reservoir = GasState { exner: gas.exner(589e3), temperature: 294.0 };
     let mut vessel = Vessel { gas, reservoir: Some(reservoir) };
-    let (flow, _) = vessel.flow(&Air::of_state(&gas, 1e-4, gas.exner(50e3), VOLUME));
+    let (flow, _) = vessel.flow(&ChamberAir::of_state(&gas, 1e-4, gas.exner(50e3), VOLUME));
     for until in [0.02, 0.1] {
         let air = after(&mut vessel, 50e3, until);
         let expected = 50e3 + 1.4 * 286.76 * 294.0 * flow * until / VOLUME;

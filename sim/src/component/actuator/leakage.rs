@@ -22,7 +22,7 @@
 
 use std::f64::consts::PI;
 
-use crate::component::air::Air;
+use crate::component::air::ChamberAir;
 use crate::component::gas::Gas;
 use crate::key::{keys, words};
 use crate::number::{Number, Pair};
@@ -30,7 +30,7 @@ use crate::values::Rig;
 
 words! {
     /// Leakage past the piston.
-    pub enum Model {
+    pub enum LeakageKind {
         /// None.
         None = "none",
         /// In proportion to the pressure difference.
@@ -41,7 +41,7 @@ words! {
 }
 
 keys! {
-    LEAKAGE: Model = choice("actuator.leakage", "L(18)", "Leakage past the piston.");
+    LEAKAGE: LeakageKind = choice("actuator.leakage", "L(18)", "Leakage past the piston.");
     LEAKAGE_COEFFICIENT: f64 = number("actuator.leakage_coefficient", 0.0, 0.0, 1e-6, "C(55)", "Laminar leakage, kg/(s Pa).").vague();
     PASSAGE_RESISTANCE: f64 = number("actuator.passage_resistance", 20.0, 1e-3, 1e6, "C(56)", "Egli's resistance of the leakage passage.");
     PASSAGE_CLEARANCE_M: f64 = number("actuator.passage_clearance_m", 1e-5, 1e-9, 1e-2, "C(57)", "Clearance of the leakage passage; the thesis's table has 1e-4, a slip.").vague();
@@ -51,9 +51,9 @@ impl Leakage {
     /// The leakage of a rig, past a piston of this bore (m).
     pub(super) fn of(rig: &Rig, bore: f64) -> Leakage {
         match rig.get(&keys::LEAKAGE) {
-            Model::None => Leakage::None,
-            Model::Laminar => Leakage::Laminar { coefficient: rig.get(&keys::LEAKAGE_COEFFICIENT) },
-            Model::Adiabatic => Leakage::Adiabatic {
+            LeakageKind::None => Leakage::None,
+            LeakageKind::Laminar => Leakage::Laminar { coefficient: rig.get(&keys::LEAKAGE_COEFFICIENT) },
+            LeakageKind::Adiabatic => Leakage::Adiabatic {
                 resistance: rig.get(&keys::PASSAGE_RESISTANCE),
                 clearance: rig.get(&keys::PASSAGE_CLEARANCE_M),
                 bore,
@@ -88,15 +88,15 @@ impl Leakage {
     /// record, which has no temperatures.
     #[must_use]
     pub fn at_pressures(&self, gas: &Gas, pressures: [f64; 2], temperature: f64) -> f64 {
-        let [mass, exner] =
-            [0, 1].map(|state| Pair::of(|i| Air::state_of(gas, pressures[i], temperature, 1.0)[state]));
+        let [mass, exner] = [0, 1]
+            .map(|state| Pair::of(|i| ChamberAir::state_of(gas, pressures[i], temperature, 1.0)[state]));
         let (pressure, temperature) = (Pair::new(pressures), Pair::splat(temperature));
-        self.flow(gas, &Air { mass, exner, pressure, temperature })
+        self.flow(gas, &ChamberAir { mass, exner, pressure, temperature })
     }
 
     /// mdot_L, kg/s, from chamber 1 to chamber 2; negative the other way.
     #[inline]
-    pub(crate) fn flow(&self, gas: &Gas, air: &Air<Pair>) -> f64 {
+    pub(crate) fn flow(&self, gas: &Gas, air: &ChamberAir<Pair>) -> f64 {
         match *self {
             Leakage::None => 0.0,
             Leakage::Laminar { coefficient } => coefficient * (air.pressure.lane(0) - air.pressure.lane(1)),
@@ -116,7 +116,7 @@ impl Leakage {
 /// The index of the chamber that air leaks from, whose temperature is T_L. At equal pressures nothing
 /// leaks and it is chamber 1's.
 #[inline(always)]
-pub(crate) fn source(air: &Air<Pair>) -> usize {
+pub(crate) fn source(air: &ChamberAir<Pair>) -> usize {
     usize::from(air.pressure.lane(1) > air.pressure.lane(0))
 }
 
@@ -131,11 +131,11 @@ mod tests {
     }
 
     /// Both chambers at a pressure and a temperature each.
-    fn air(chambers: [(f64, f64); 2]) -> Air<Pair> {
+    fn air(chambers: [(f64, f64); 2]) -> ChamberAir<Pair> {
         let states =
-            chambers.map(|(pressure, temperature)| Air::state_of(&gas(), pressure, temperature, 1e-4));
+            chambers.map(|(pressure, temperature)| ChamberAir::state_of(&gas(), pressure, temperature, 1e-4));
         let both = |of: fn(&[f64; 2]) -> f64| Pair::of(|i| of(&states[i]));
-        Air {
+        ChamberAir {
             mass: both(|state| state[0]),
             exner: both(|state| state[1]),
             pressure: Pair::of(|i| chambers[i].0),

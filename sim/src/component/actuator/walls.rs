@@ -12,7 +12,7 @@
 
 use std::f64::consts::PI;
 
-use crate::component::air::Air;
+use crate::component::air::ChamberAir;
 use crate::component::gas::Gas;
 use crate::key::keys;
 use crate::number::Pair;
@@ -63,7 +63,7 @@ impl Walls {
 
     /// The contribution of the heat to w'.
     #[inline(always)]
-    pub(crate) fn exner_rate(&self, gas: &Gas, lengths: Pair, volumes: Pair, air: &Air<Pair>) -> Pair {
+    pub(crate) fn exner_rate(&self, gas: &Gas, lengths: Pair, volumes: Pair, air: &ChamberAir<Pair>) -> Pair {
         let per_heat = Pair::splat((gas.heat_capacity_ratio - 1.0) * gas.exner_exponent());
         air.exner * per_heat * self.heat(lengths, air.temperature) / (air.pressure * volumes)
     }
@@ -86,14 +86,14 @@ mod tests {
         Walls::new(80.0, 294.0, [area, area - PI / 4.0 * 0.02 * 0.02], 0.05, [0.0, 0.02])
     }
 
-    fn air(temperature: f64, volume: f64) -> Air {
-        let [mass, exner] = Air::state_of(&gas(), 5e5, temperature, volume);
-        Air::of_state(&gas(), mass, exner, volume)
+    fn air(temperature: f64, volume: f64) -> ChamberAir {
+        let [mass, exner] = ChamberAir::state_of(&gas(), 5e5, temperature, volume);
+        ChamberAir::of_state(&gas(), mass, exner, volume)
     }
 
-    fn both(one: Air, two: Air) -> Air<Pair> {
-        let pair = |of: fn(&Air) -> f64| Pair::new([of(&one), of(&two)]);
-        Air {
+    fn both(one: ChamberAir, two: ChamberAir) -> ChamberAir<Pair> {
+        let pair = |of: fn(&ChamberAir) -> f64| Pair::new([of(&one), of(&two)]);
+        ChamberAir {
             mass: pair(|air| air.mass),
             exner: pair(|air| air.exner),
             pressure: pair(|air| air.pressure),
@@ -116,8 +116,9 @@ mod tests {
         let (gas, walls, volume, lengths) = (gas(), walls(), [2e-4, 3e-4], Pair::new([0.1, 0.2]));
         let start = both(air(340.0, volume[0]), air(250.0, volume[1]));
         let volumes = Pair::new(volume);
-        let rate =
-            |w: Pair| walls.exner_rate(&gas, lengths, volumes, &Air::of_state(&gas, start.mass, w, volumes));
+        let rate = |w: Pair| {
+            walls.exner_rate(&gas, lengths, volumes, &ChamberAir::of_state(&gas, start.mass, w, volumes))
+        };
         let (steps, seconds) = (2000, 2.0);
         let h = Pair::splat(seconds / f64::from(steps));
         let half = Pair::splat(0.5);
@@ -129,7 +130,7 @@ mod tests {
             let k4 = rate(w + h * k3);
             w += h * Pair::splat(1.0 / 6.0) * (k1 + Pair::splat(2.0) * (k2 + k3) + k4);
         }
-        let end = Air::of_state(&gas, start.mass, w, volumes);
+        let end = ChamberAir::of_state(&gas, start.mass, w, volumes);
         for i in 0..2 {
             let heat_capacity = start.mass.lane(i) * GAS_CONSTANT / 0.4;
             let per_kelvin = walls.heat(lengths, Pair::splat(293.0)).lane(i);

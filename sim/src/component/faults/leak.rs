@@ -9,7 +9,7 @@
 //! and the enthalpy of its source. Near equal pressures the flow of a hole is laminar, usually from a ratio of 0.999
 //! on; the root alone would have an infinite slope there.
 
-use crate::component::air::Station;
+use crate::component::air::GasState;
 use crate::component::gas::Gas;
 
 /// b.
@@ -17,7 +17,7 @@ const LAMINAR_FROM: f64 = 0.999;
 
 /// The flow into the chamber through a hole of `area` m^2, kg/s (negative: out of it), and the
 /// temperature that it carries.
-pub(crate) fn through_hole(gas: &Gas, area: f64, chamber: &Station, surroundings: &Station) -> (f64, f64) {
+pub(crate) fn through_hole(gas: &Gas, area: f64, chamber: &GasState, surroundings: &GasState) -> (f64, f64) {
     if area == 0.0 {
         return (0.0, chamber.temperature);
     }
@@ -29,7 +29,7 @@ pub(crate) fn through_hole(gas: &Gas, area: f64, chamber: &Station, surroundings
 }
 
 /// mdot / A, kg/(s m^2).
-fn flux(gas: &Gas, up: &Station, down: &Station) -> f64 {
+fn flux(gas: &Gas, up: &GasState, down: &GasState) -> f64 {
     let turbulent =
         |exner: f64| (gas.flow_constant() / up.temperature * gas.flow_function(up.exner, exner).value).sqrt();
     let pressure = gas.pressure(up.exner);
@@ -49,8 +49,8 @@ mod tests {
         Gas::new(1.4, 286.76)
     }
 
-    fn station(pressure: f64, temperature: f64) -> Station {
-        Station { exner: gas().exner(pressure), temperature }
+    fn station(pressure: f64, temperature: f64) -> GasState {
+        GasState { exner: gas().exner(pressure), temperature }
     }
 
     fn flow(chamber: f64, surroundings: f64) -> f64 {

@@ -32,7 +32,7 @@ pub(super) struct Oscillator {
 
 /// The forces on an oscillator, as accelerations, m/s^2.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Drive {
+pub(super) struct Forcing {
     /// g.
     pub steady: f64,
     /// h, with f and phi.
@@ -82,7 +82,12 @@ const RESONANCE: f64 = 1e-12;
 
 impl FreeMotion {
     /// From the state `start` at `t`; None in a resonance without damping.
-    pub(super) fn new(oscillator: Oscillator, drive: Drive, t: f64, start: SpoolState) -> Option<FreeMotion> {
+    pub(super) fn new(
+        oscillator: Oscillator,
+        drive: Forcing,
+        t: f64,
+        start: SpoolState,
+    ) -> Option<FreeMotion> {
         let (stiffness, decay) = (oscillator.stiffness_per_mass, 0.5 * oscillator.damping_per_mass);
         let angular = if drive.swing.amplitude == 0.0 { 0.0 } else { 2.0 * PI * drive.swing.frequency_hz };
         let (stiff, damped) = (stiffness - angular * angular, 2.0 * decay * angular);
@@ -193,7 +198,7 @@ mod tests {
     #[test]
     fn it_begins_where_the_spool_is() {
         for oscillator in OSCILLATORS {
-            let flight = FreeMotion::new(oscillator, Drive { steady: 50.0, swing: SWING }, 0.3, START);
+            let flight = FreeMotion::new(oscillator, Forcing { steady: 50.0, swing: SWING }, 0.3, START);
             let begin = flight.expect("no resonance").at(0.3);
             assert!((begin.position - START.position).abs() < 1e-18, "{begin:?}");
             assert!((begin.velocity - START.velocity).abs() < 1e-15, "{begin:?}");
@@ -205,7 +210,7 @@ mod tests {
     fn it_meets_the_equation_of_motion() {
         let d = 1e-7;
         for oscillator in OSCILLATORS {
-            let drive = Drive { steady: 50.0, swing: SWING };
+            let drive = Forcing { steady: 50.0, swing: SWING };
             let flight = FreeMotion::new(oscillator, drive, 0.3, START).expect("no resonance");
             for t in [0.3, 0.3004, 0.31, 0.4] {
                 let [before, now, after] = [t - d, t, t + d].map(|t| flight.at(t));
@@ -227,6 +232,6 @@ mod tests {
     fn a_resonance_without_damping_is_left_to_the_integrator() {
         let angular = 2.0 * PI * 50.0;
         let oscillator = Oscillator { stiffness_per_mass: angular * angular, damping_per_mass: 0.0 };
-        assert!(FreeMotion::new(oscillator, Drive { steady: 0.0, swing: SWING }, 0.0, START).is_none());
+        assert!(FreeMotion::new(oscillator, Forcing { steady: 0.0, swing: SWING }, 0.0, START).is_none());
     }
 }

@@ -8,7 +8,7 @@
 //! Dither, hysteresis and limit act on a copy of the state (6.4.2; EQUATIONS section 11 rule 5); the
 //! play's memory is not limited.
 
-use super::closed_form::{Drive, FreeMotion, Oscillator};
+use super::closed_form::{Forcing, FreeMotion, Oscillator};
 use super::{GUARDS, Request, SpoolState};
 use crate::component::dither::Dither;
 use crate::component::operator::{amplifier, hysteresis};
@@ -95,7 +95,7 @@ impl Empirical {
             Oscillator { stiffness_per_mass: p.stiffness_per_mass, damping_per_mass: p.damping_per_mass };
         let steady = p.stiffness_per_mass * self.amplified();
         let swing = Dither { amplitude: 0.0, ..p.dither };
-        self.flight = FreeMotion::new(oscillator, Drive { steady, swing }, t, spool);
+        self.flight = FreeMotion::new(oscillator, Forcing { steady, swing }, t, spool);
     }
 
     pub(super) fn follow(&mut self, counts: f64) {

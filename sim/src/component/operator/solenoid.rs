@@ -13,7 +13,7 @@
 mod course;
 mod parameters;
 
-use super::closed_form::{Drive, FreeMotion, Oscillator, rounding};
+use super::closed_form::{Forcing, FreeMotion, Oscillator, rounding};
 use super::hysteresis::Hysteresis;
 use super::moving_hysteresis::MovingHysteresis;
 use super::{GUARDS, Request, SpoolState, within_range};
@@ -182,7 +182,7 @@ impl Solenoid {
     }
 
     /// The forces on a slipping spool from `t` to the next kink of the magnetic force.
-    fn forces(&self, t: f64, hysteresis: &Hysteresis) -> Drive {
+    fn forces(&self, t: f64, hysteresis: &Hysteresis) -> Forcing {
         let p = &self.parameters;
         let (level, driven) = hysteresis.course();
         let inside = t + 0.5 * (self.next_time_event() - t).min(MOMENT);
@@ -190,7 +190,7 @@ impl Solenoid {
         let magnetic = if pulls { p.force_gain * (level + self.bias()) } else { 0.0 };
         let steady = magnetic - p.spring_preload - p.friction.force(self.contact, 0.0);
         let amplitude = if pulls && driven { p.force_gain * hysteresis.dither().amplitude } else { 0.0 };
-        Drive {
+        Forcing {
             steady: steady / p.spool_mass,
             swing: Dither { amplitude: amplitude / p.spool_mass, ..hysteresis.dither() },
         }

@@ -16,7 +16,7 @@
 //! r_s = (2 + s e)/(2 + s (e+1)).
 
 use super::{Ratio, STEEPEST};
-use crate::component::air::Station;
+use crate::component::air::GasState;
 use crate::component::gas::Gas;
 
 /// Four reach rounding at any flow; one is to spare.
@@ -51,7 +51,7 @@ impl Connector {
         }
     }
 
-    pub(super) fn ratio(&self, known: &Station, flow: f64) -> Ratio {
+    pub(super) fn ratio(&self, known: &GasState, flow: f64) -> Ratio {
         // psi(w, 0) = b* w^(e+2).
         let choking = self.gas.flow_function(known.exner, 0.0).value;
         let fraction = self.per_choking * known.temperature * flow * flow / choking;

@@ -30,7 +30,7 @@
 //! pressure is in proportion to the flow, with the slope that it has at M = 1.
 
 use super::{Ratio, STEEPEST};
-use crate::component::air::Station;
+use crate::component::air::GasState;
 use crate::component::gas::Gas;
 use pneudrive_solver::bracketed_root;
 
@@ -70,7 +70,7 @@ impl Pipe {
         pipe
     }
 
-    pub(super) fn ratio(&self, known: &Station, flow: f64) -> Ratio {
+    pub(super) fn ratio(&self, known: &GasState, flow: f64) -> Ratio {
         let flux = flow / self.gas.pressure(known.exner);
         let flux_squared = self.mach * known.temperature * flux * flux;
         if flow > 0.0 { self.known_upstream(flux_squared) } else { self.known_downstream(flux_squared) }

@@ -5,12 +5,12 @@ use pneudrive_solver::bracketed_root;
 
 const AIR: f64 = 286.76;
 
-fn station(gas: &Gas, pressure: f64, temperature: f64) -> Station {
-    Station { exner: gas.exner(pressure), temperature }
+fn station(gas: &Gas, pressure: f64, temperature: f64) -> GasState {
+    GasState { exner: gas.exner(pressure), temperature }
 }
 
 /// Pressure at the far end, Pa.
-fn far_pressure(gas: &Gas, tube: &Tube, known: &Station, flow: f64) -> f64 {
+fn far_pressure(gas: &Gas, tube: &Tube, known: &GasState, flow: f64) -> f64 {
     gas.pressure(tube.far_end(known, flow).exner)
 }
 
@@ -48,7 +48,7 @@ fn stagnation(n: f64, mach: f64, temperature: f64) -> f64 {
 }
 
 /// A pressure, and the stagnation temperature of air that passes it at a Mach number and a static temperature.
-fn passing(gas: &Gas, n: f64, mach: f64, pressure: f64, temperature: f64) -> Station {
+fn passing(gas: &Gas, n: f64, mach: f64, pressure: f64, temperature: f64) -> GasState {
     station(gas, pressure, stagnation(n, mach, temperature))
 }
 
@@ -97,7 +97,7 @@ fn at_the_reference_flow_the_pressure_falls_by_the_slope_and_rises_for_reverse_f
 #[test]
 fn no_tube_and_a_pipe_without_length_have_no_drop() {
     let gas = Gas::new(1.4, AIR);
-    let known = Station { exner: 40.0, temperature: 294.0 };
+    let known = GasState { exner: 40.0, temperature: 294.0 };
     for tube in [Tube::none(), Tube::analytical(&gas, 0.0, BORE, 0.005)] {
         let far = tube.far_end(&known, 0.01);
         assert_eq!((far.exner, far.by_flow), (40.0, 0.0));
@@ -331,7 +331,7 @@ fn slopes_over_flow_and_temperature_are_those_of_the_pressure() {
                 let got = tube.far_end(&known, flow).by_flow;
                 let scale = got.abs() + at(flow) / flow.abs() * 1e-3;
                 assert!((got - central).abs() < 1e-3 * scale, "{name} {flow}: {got} {central}");
-                let of = |temperature| tube.far_end(&Station { temperature, ..known }, flow);
+                let of = |temperature| tube.far_end(&GasState { temperature, ..known }, flow);
                 let central = (of(294.0 + 1e-4).exner - of(294.0 - 1e-4).exner) / 2e-4;
                 let got = if tube.feels_temperature() { of(294.0).by_temperature(flow, 294.0) } else { 0.0 };
                 let scale = got.abs() + at(flow) / 294.0 * 1e-3;
@@ -372,7 +372,7 @@ fn states_that_are_no_numbers_give_none_and_do_not_panic() {
     for (name, tube) in &kinds(&gas)[1..] {
         for exner in [f64::NAN, -1.0] {
             for flow in [0.001, -0.001] {
-                let far = tube.far_end(&Station { exner, temperature: 294.0 }, flow);
+                let far = tube.far_end(&GasState { exner, temperature: 294.0 }, flow);
                 assert!(far.exner.is_nan() || far.exner <= 0.0, "{name}: {far:?}");
             }
         }

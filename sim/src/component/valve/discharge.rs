@@ -19,7 +19,7 @@ use crate::key::{keys, words};
 
 words! {
     /// How the coefficient of discharge depends on the pressure ratio.
-    pub enum Model {
+    pub enum DischargeKind {
         /// Not at all.
         Constant = "constant",
         /// As Perry measured it.
@@ -28,7 +28,7 @@ words! {
 }
 
 keys! {
-    DISCHARGE_MODEL: Model = choice("valve.discharge_model", "L(17)", "How the coefficient of discharge depends on the pressure ratio.");
+    DISCHARGE_MODEL: DischargeKind = choice("valve.discharge_model", "L(17)", "How the coefficient of discharge depends on the pressure ratio.");
 }
 
 /// Of r^0 to r^5.

@@ -34,8 +34,8 @@ impl FlowLaw {
     #[must_use]
     pub fn of_areas(rig: &Rig) -> [FlowLaw; 2] {
         match rig.get(&discharge::keys::DISCHARGE_MODEL) {
-            discharge::Model::Perry => [FlowLaw::Perry; 2],
-            discharge::Model::Constant => [FlowLaw::Orifice; 2],
+            discharge::DischargeKind::Perry => [FlowLaw::Perry; 2],
+            discharge::DischargeKind::Constant => [FlowLaw::Orifice; 2],
         }
     }
 

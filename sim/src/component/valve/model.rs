@@ -101,7 +101,7 @@ macro_rules! models {
 
         words! {
             /// How the flows through the valve are formed.
-            pub enum Model {
+            pub enum ValveKind {
                 $(#[doc = $about] $name = $word,)+
             }
         }
@@ -112,34 +112,34 @@ macro_rules! models {
         /// The keys of all models.
         pub(crate) static KEYS: &[&[&Key]] = &[$($file::keys::ALL),+];
 
-        impl Model {
+        impl ValveKind {
             /// All of them.
-            pub const ALL: &[Model] = &[$(Model::$name),+];
+            pub const ALL: &[ValveKind] = &[$(ValveKind::$name),+];
 
             /// What does not depend on the values of a rig.
             #[must_use]
             pub const fn facts(self) -> Facts {
-                match self { $(Model::$name => <$file::$name as ValveModel>::FACTS,)+ }
+                match self { $(ValveKind::$name => <$file::$name as ValveModel>::FACTS,)+ }
             }
 
             /// What the paths to the supply and to the exhaust of a rig are, fully open.
             #[must_use]
             pub fn laws(self, rig: &Rig) -> [FlowLaw; 2] {
-                match self { $(Model::$name => $file::$name::laws(rig),)+ }
+                match self { $(ValveKind::$name => $file::$name::laws(rig),)+ }
             }
 
             /// How the paths of a rig open, where no characteristic tells.
             pub(super) fn opening(self, rig: &Rig) -> Opening {
-                match self { $(Model::$name => $file::$name::opening(rig),)+ }
+                match self { $(ValveKind::$name => $file::$name::opening(rig),)+ }
             }
 
             /// The bore of the restriction in place of a tube, m, where the model has a figure of its own.
             pub(crate) fn connector_bore(self, rig: &Rig) -> Option<f64> {
-                match self { $(Model::$name => $file::$name::connector_bore(rig),)+ }
+                match self { $(ValveKind::$name => $file::$name::connector_bore(rig),)+ }
             }
 
             pub(super) fn check(self, rig: &Rig, findings: &mut Findings) {
-                match self { $(Model::$name => $file::$name::check(rig, findings),)+ }
+                match self { $(ValveKind::$name => $file::$name::check(rig, findings),)+ }
             }
         }
     };

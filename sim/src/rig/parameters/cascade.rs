@@ -18,7 +18,7 @@ use crate::component::encoder::pulse;
 use crate::component::load::Load;
 use crate::component::valve::flow_law::FlowLaw;
 use crate::component::valve::iso6358::{Iso6358, REFERENCE_DENSITY, REFERENCE_TEMPERATURE};
-use crate::component::valve::lands::Model as Characteristic;
+use crate::component::valve::lands::CharacteristicKind as Characteristic;
 use crate::component::valve::model::Paths;
 use crate::component::valve::spool_travel;
 use crate::component::{operator, tubing};
@@ -219,7 +219,7 @@ pub(in crate::rig) fn check(rig: &Rig, findings: &mut Findings) {
             "sensors.pressure = true: it is a loop of the force, which it knows by the pressures",
         ),
         (
-            rig.get(&keys::operator::MODEL) == operator::Model::Empirical,
+            rig.get(&keys::operator::MODEL) == operator::OperatorKind::Empirical,
             "operator.model = \"solenoid-empirical\": a spool that follows its command",
         ),
         (
@@ -235,7 +235,7 @@ pub(in crate::rig) fn check(rig: &Rig, findings: &mut Findings) {
             "valve.characteristic = \"linear\": a flow in proportion to the spool",
         ),
         (
-            rig.get(&keys::tubing::MODEL) == tubing::Model::None,
+            rig.get(&keys::tubing::MODEL) == tubing::TubingKind::None,
             "tubing.model = \"none\": the valve at the cylinder",
         ),
     ];

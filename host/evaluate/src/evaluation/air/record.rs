@@ -15,7 +15,7 @@ use pneudrive_sim::component::actuator::Actuator;
 use pneudrive_sim::component::gas::Gas;
 use pneudrive_sim::keys;
 
-use super::Course;
+use super::Inflow;
 use super::filling::{Filling, Readings};
 use super::rises::rises;
 use crate::evaluation::noise;
@@ -106,13 +106,13 @@ impl Chambers {
 }
 
 /// Air let in up to each sample of a record whose samples follow the dither.
-pub(super) fn course(transient: &Transient, chambers: &Chambers) -> Course {
+pub(super) fn course(transient: &Transient, chambers: &Chambers) -> Inflow {
     let in_a_period = chambers.samples_in_a_period(transient);
     let (n, gas) = (chambers.gas.heat_capacity_ratio, chambers.gas.gas_constant * chambers.temperature);
     let [one, two] =
         chambers.readings(transient).map(|readings| Seen::of(&Filling::of(&readings, n, gas), in_a_period));
     let both = |of: fn(&Seen) -> &Vec<f64>| of(&one).iter().zip(of(&two)).map(|(a, b)| a + b).collect();
-    Course {
+    Inflow {
         best: both(|seen| &seen.best),
         least: both(|seen| &seen.least),
         most: both(|seen| &seen.most),

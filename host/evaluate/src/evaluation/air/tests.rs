@@ -65,7 +65,7 @@ fn a_constant_inflow_is_time_by_flow_whichever_rows_are_taken() {
     let (time, flow, filled) = ([0.0, 1.0, 3.0, 4.0], [2.0; 4], [0.0, 2.0, 6.0, 8.0]);
     assert_eq!([integral::<1>(&time, &flow), integral::<2>(&time, &flow)], [filled, filled]);
     assert_eq!(integral::<1>(&[], &[]), [0.0; 0]);
-    let run = Course::of_flows(&[0.0, 1.0, 3.0], &[KG_PER_LITRE; 3]);
+    let run = Inflow::of_flows(&[0.0, 1.0, 3.0], &[KG_PER_LITRE; 3]);
     let air = run.between(0, 3).expect("flows");
     let near = |litres: f64| (litres - 3.0).abs() < 1e-12;
     assert!(near(air.litres) && near(air.least) && near(air.most), "{air:?}");
@@ -75,6 +75,6 @@ fn a_constant_inflow_is_time_by_flow_whichever_rows_are_taken() {
 fn a_flow_that_changes_from_row_to_row_is_known_the_less() {
     let time: Vec<f64> = (0..=20).map(f64::from).collect();
     let jagged: Vec<f64> = (0..=20).map(|k| KG_PER_LITRE * f64::from(k % 2)).collect();
-    let air = Course::of_flows(&time, &jagged).between(0, 20).expect("flows");
+    let air = Inflow::of_flows(&time, &jagged).between(0, 20).expect("flows");
     assert_eq!([air.least, air.litres, air.most].map(f64::round), [0.0, 10.0, 20.0]);
 }

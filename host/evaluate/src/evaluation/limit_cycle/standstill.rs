@@ -18,7 +18,7 @@ use std::f64::consts::TAU;
 use std::ops::Range;
 
 use super::Doubt;
-use crate::transient::Grip;
+use crate::transient::FrictionUse;
 
 /// Pressures with a smaller remaining change are at rest, kPa.
 const STEADY_KPA: f64 = 2.0;
@@ -36,7 +36,7 @@ const PARTS: usize = 3;
 pub(super) struct Standstill<'a> {
     /// Its pressures, kPa; not numbers where they were not measured.
     pressures: [&'a [f64]; 2],
-    /// Of a simulated run, the part of its grip that is used ([`Grip::used`]), and [`Grip::per_kpa`].
+    /// Of a simulated run, the part of its grip that is used ([`FrictionUse::used`]), and [`FrictionUse::per_kpa`].
     grip: Option<(&'a [f64], [f64; 2])>,
     /// How long it stands, s.
     during_s: f64,
@@ -46,7 +46,7 @@ impl<'a> Standstill<'a> {
     /// The verdict on a transient from these samples, the last ones of its move.
     pub fn of(
         pressures: [&'a [f64]; 2],
-        grip: Option<&'a Grip>,
+        grip: Option<&'a FrictionUse>,
         samples: Range<usize>,
         during_s: f64,
     ) -> Standstill<'a> {
@@ -65,7 +65,7 @@ impl<'a> Standstill<'a> {
         if !self.pressures.into_iter().flatten().all(|kpa| kpa.is_finite()) {
             return Some(Doubt::PressuresUnknown);
         }
-        let courses = self.pressures.map(|pressure| Course::of(pressure, self.during_s));
+        let courses = self.pressures.map(|pressure| PressureTrend::of(pressure, self.during_s));
         let allowed = self.allowed_kpa(courses.map(|course| course.remainder()));
         let moving = || courses.iter().zip(allowed).filter(|(course, allowed)| course.remainder() > *allowed);
         let kpa_s = moving().map(|(course, _)| course.rate()).reduce(f64::max)?;
@@ -87,20 +87,20 @@ impl<'a> Standstill<'a> {
 
 /// How a pressure changes.
 #[derive(Clone, Copy)]
-struct Course {
+struct PressureTrend {
     /// From the first part to the second, and from there to the third, kPa.
     changes: [f64; 2],
     /// How long a part is, s.
     part_s: f64,
 }
 
-impl Course {
+impl PressureTrend {
     /// The course of a pressure (kPa) over a time (s).
-    fn of(pressure: &[f64], during_s: f64) -> Course {
+    fn of(pressure: &[f64], during_s: f64) -> PressureTrend {
         let samples = pressure.len() / PARTS;
         let mean = |part: usize| weighted_mean(&pressure[part * samples..(part + 1) * samples]);
         let changes = [mean(1) - mean(0), mean(2) - mean(1)];
-        Course { changes, part_s: during_s / PARTS as f64 }
+        PressureTrend { changes, part_s: during_s / PARTS as f64 }
     }
 
     /// The ratio of the second change to the first one, if an exponential can change in this way.

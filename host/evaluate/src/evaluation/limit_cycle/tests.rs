@@ -316,7 +316,7 @@ fn what_is_to_come_is_held_against_the_friction_that_is_left() {
     let (still, steady) = (vec![100.0; time.len()], vec![400.0; time.len()]);
     let rising: Vec<f64> = time.iter().map(|t| 300.0 - 30.0 * (-t / 0.4).exp()).collect();
     let seen = |used: f64| {
-        let grip = Grip { used: vec![used; time.len()], per_kpa: [0.05; 2] };
+        let grip = FrictionUse { used: vec![used; time.len()], per_kpa: [0.05; 2] };
         LimitCycle::of(&time, &still, [&rising, &steady], Some(&grip), COUNT_MM, 0.03)
     };
     for used in [0.0, -0.5, 0.8] {

@@ -38,8 +38,8 @@ fn a_drive_is_limited_by_what_limits_all_of_its_runs() {
 fn sines(settings: &[&str]) -> Vec<Tracked> {
     let task = task("servo-b-tuned", settings);
     let task = Task { budget: Budget { generations: 0, ..task.budget }, draws: 2, ..task };
-    let tuned = tune(&task, |_| {}, Wanted::ALWAYS).expect("figures");
-    tracked(&task, &tuned, |_| {}, Wanted::ALWAYS).expect("runs")
+    let tuned = tune(&task, |_| {}, CancelToken::NEVER).expect("figures");
+    tracked(&task, &tuned, |_| {}, CancelToken::NEVER).expect("runs")
 }
 
 /// Its figures at both frequencies are those of docs/profiles.md, over other swings of the same sine.

@@ -157,7 +157,7 @@ impl Places {
             dead_band: rig.get(&keys::controller::DEAD_BAND_COUNTS).max(1),
             standing: STANDING * 1e-3 * sine.top_speed_mm_s(),
             full: match model {
-                operator::Model::Stepper => rig.get(&keys::stepper::MAX_STEPS),
+                operator::OperatorKind::Stepper => rig.get(&keys::stepper::MAX_STEPS),
                 _ => FULL_COUNTS,
             },
             amplifier: model.is_solenoid().then(amplifier),

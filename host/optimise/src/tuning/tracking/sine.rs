@@ -4,7 +4,7 @@ use pneudrive_sim::component::encoder;
 use pneudrive_sim::keys;
 
 use crate::tuning::Variant;
-use crate::tuning::trial::{Course, DWELL_S, Trial};
+use crate::tuning::trial::{DWELL_S, TaskMoves, Trial};
 use pneudrive_evaluate::transient::Transient;
 
 /// Amplitude, as a share of the stroke, and at most, mm.
@@ -76,9 +76,9 @@ impl Sine {
     }
 
     /// The test that it is.
-    pub(in crate::tuning) fn course(&self) -> Course {
+    pub(in crate::tuning) fn course(&self) -> TaskMoves {
         let Sine { frequency_hz, middle, amplitude, .. } = self;
-        Course {
+        TaskMoves {
             moves: format!(
                 "test.move=[{{profile=\"step\", to_counts={middle}}}, {{profile=\"sine\", at_s={DWELL_S:?}, to_counts={middle}, amplitude_counts={amplitude}, frequency_hz={frequency_hz:?}, cycles={SWINGS}}}]"
             ),

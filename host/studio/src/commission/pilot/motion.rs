@@ -13,10 +13,10 @@ use pneudrive_sim::component::controller::Loop;
 use pneudrive_sim::keys;
 
 use super::{Pilot, REST_OF_STREAM};
+use crate::commission::approach::Approach;
 use crate::commission::live::Live;
 use crate::commission::order::{Direction, JOG_SILENCE, Orders};
 use crate::commission::ramp::{GO_MM_PER_S, JOG_MM_PER_S, reachable, slow_move};
-use crate::commission::way::Way;
 
 /// How far one test of jogging goes, mm; a button that is held longer has another one follow.
 const JOG_REACH_MM: f64 = 30.0;
@@ -34,7 +34,7 @@ enum Purpose {
 
 impl Pilot<'_> {
     /// The way of the drive to the start of a test; None in open loop.
-    pub(super) fn way(&mut self, rig: &Rig) -> Result<Option<Way>> {
+    pub(super) fn way(&mut self, rig: &Rig) -> Result<Option<Approach>> {
         if rig.get(&keys::controller::LOOP) == Loop::Open {
             return Ok(None);
         }
@@ -43,7 +43,7 @@ impl Pilot<'_> {
             return Err(Failure::Refused.error("not run: the drive is moving; wait until it rests"));
         }
         let from_mm = self.place(&status)?;
-        Ok(Way::of(rig, from_mm))
+        Ok(Approach::of(rig, from_mm))
     }
 
     /// Runs a test; from elsewhere than its start the drive goes there slowly before, if the page has agreed to that.
@@ -64,7 +64,7 @@ impl Pilot<'_> {
 
     /// What is run once the drive has come to its start.
     pub(super) fn follows_with(&mut self, next: Option<Box<Rig>>) {
-        self.teller.seen().approaches = next.is_some();
+        self.reporter.seen().approaches = next.is_some();
         self.next = next;
     }
 
@@ -75,7 +75,7 @@ impl Pilot<'_> {
         }
         let Some(rig) = self.next.take() else { return };
         let has_come = || -> Result<()> {
-            let way = Way::of(&rig, self.place(status)?);
+            let way = Approach::of(&rig, self.place(status)?);
             way.map_or(Ok(()), |way| way.check_end())
         };
         let done = match status.mode {
@@ -93,7 +93,7 @@ impl Pilot<'_> {
 
     /// Where the drive stands, mm.
     fn place(&self, status: &Status) -> Result<f64> {
-        let place = self.teller.units.millimetres(status.position);
+        let place = self.reporter.units.millimetres(status.position);
         place.ok_or_else(|| anyhow!("the rig does not tell how long a count of its encoder is"))
     }
 
@@ -130,8 +130,8 @@ impl Pilot<'_> {
 
     /// The test has begun now, behind all samples so far.
     fn begin_samples(&mut self, purpose: Purpose) {
-        let now_s = self.teller.now_s();
-        let mut seen = self.teller.seen();
+        let now_s = self.reporter.now_s();
+        let mut seen = self.reporter.seen();
         let began_s = now_s.max(seen.samples.last());
         seen.run_began_s = matches!(purpose, Purpose::Test).then_some(began_s);
         if let Some(live) = &mut self.live {

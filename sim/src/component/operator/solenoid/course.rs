@@ -3,26 +3,26 @@
 use super::{FRICTION, Magnetism, STOPS, Solenoid};
 use crate::component::friction::Contact;
 use crate::component::operator::hysteresis::Hysteresis;
-use crate::component::operator::{Course, Limit, Met, Quantity, SpoolState};
+use crate::component::operator::{KnownMotion, Limit, Met, Quantity, SpoolState};
 
 /// How many branches ahead a breakaway is looked for: an output comes before the next one, as a rule.
 const BRANCHES: usize = 3;
 
 impl Solenoid {
     /// Its known course after `t`, by the edges of the lands.
-    pub(in super::super) fn course(&self, t: f64, spool: SpoolState, edges: &[Limit; 2]) -> Course<'_> {
+    pub(in super::super) fn course(&self, t: f64, spool: SpoolState, edges: &[Limit; 2]) -> KnownMotion<'_> {
         match (&self.flight, &self.magnetism) {
-            (Some(flight), _) => Course::Flies(flight, self.limits(edges)),
+            (Some(flight), _) => KnownMotion::Flies(flight, self.limits(edges)),
             (None, Magnetism::Stepped(hysteresis)) if self.has_closed_form() => {
                 self.standing(t, spool, *hysteresis)
             }
-            _ => Course::Unknown,
+            _ => KnownMotion::Unknown,
         }
     }
 
     /// A spool that is held breaks away where the magnetic force leaves the band of stiction. Until then the branches of
     /// the hysteresis move nothing: they are followed on a copy.
-    fn standing(&self, t: f64, spool: SpoolState, mut hysteresis: Hysteresis) -> Course<'_> {
+    fn standing(&self, t: f64, spool: SpoolState, mut hysteresis: Hysteresis) -> KnownMotion<'_> {
         let p = &self.parameters;
         let balance = p.spring_preload + p.spring * spool.position;
         let magnetised = |force: f64| force / p.force_gain - self.bias();
@@ -34,14 +34,14 @@ impl Solenoid {
         for _ in 0..BRANCHES {
             let (exit, change) = (hysteresis.next_exit(from, band), hysteresis.next_time_event());
             if exit < change {
-                return Course::Stands(exit, Some(FRICTION));
+                return KnownMotion::Stands(exit, Some(FRICTION));
             } else if change.is_infinite() {
-                return Course::Stands(f64::INFINITY, None);
+                return KnownMotion::Stands(f64::INFINITY, None);
             }
             hysteresis.pass_instant();
             from = change;
         }
-        Course::Stands(from, None)
+        KnownMotion::Stands(from, None)
     }
 
     /// The hysteresis of a spool that stood until `t` takes its branch there.

@@ -3,7 +3,7 @@
 //! It has two kinds of path, from the supply to its ports (1 to 2 and 4) and from these to the exhaust (to 3 and 5), each
 //! with figures of its own. What the ports themselves lose is in them, so there is no port besides.
 
-use super::{Facts, Model, ValveModel};
+use super::{Facts, ValveKind, ValveModel};
 use crate::component::valve::flow_law::FlowLaw;
 use crate::component::valve::iso6358::Iso6358;
 use crate::key::keys;
@@ -21,7 +21,7 @@ keys! {
 pub struct ByConductance;
 
 /// Its word, for those who write rig files.
-pub const MODEL: Model = Model::ByConductance;
+pub const MODEL: ValveKind = ValveKind::ByConductance;
 
 impl ValveModel for ByConductance {
     const FACTS: Facts = Facts::CONDUCTANCES;

@@ -1,6 +1,6 @@
 //! A spool valve by the measured flow of its paths ([`crate::component::valve::flow_map`]).
 
-use super::{Facts, Model, Opening, Paths, ValveModel};
+use super::{Facts, ValveKind, Opening, Paths, ValveModel};
 use crate::component::valve::flow_law::FlowLaw;
 use crate::component::valve::flow_map::FlowMap;
 use crate::key::keys;
@@ -15,7 +15,7 @@ keys! {
 pub struct ByMap;
 
 /// Its word, for those who write rig files.
-pub const MODEL: Model = Model::ByMap;
+pub const MODEL: ValveKind = ValveKind::ByMap;
 
 /// The map of a rig, if it has a sound one.
 fn map(rig: &Rig) -> Option<FlowMap> {

@@ -63,7 +63,7 @@ impl ValveModel for Poppet {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::component::air::Station;
+    use crate::component::air::GasState;
     use crate::component::gas::Gas;
     use crate::component::valve::Valve;
     use crate::network::{Network, PortFlow};
@@ -81,7 +81,7 @@ mod tests {
     /// all air at 293.15 K.
     fn port_flow(port: usize, lift: f64, port_pa: f64) -> f64 {
         let (rig, gas) = (example(&[]), Gas::new(1.4, 286.76));
-        let air = Station { exner: gas.exner(port_pa), temperature: 293.15 };
+        let air = GasState { exner: gas.exner(port_pa), temperature: 293.15 };
         let mut network = Network::without_tubes(&rig, gas, 7e5, None);
         network.flows(&Valve::of(&rig), lift, &[air; 2], &[PortFlow::Charging; 2])[port].port_flow()
     }

@@ -23,19 +23,19 @@ const MOVED_MM: f64 = 20.0;
 
 /// Where a drive stands, and where its test starts.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Way {
+pub struct Approach {
     /// Where it stands.
     pub from_mm: f64,
     /// Where the test starts.
     pub to_mm: f64,
 }
 
-impl Way {
+impl Approach {
     /// The way from a place to the start of a rig's test. None in open loop, where a test starts wherever the drive
     /// stands.
-    pub fn of(rig: &Rig, from_mm: f64) -> Option<Way> {
+    pub fn of(rig: &Rig, from_mm: f64) -> Option<Approach> {
         let to_mm = 1e3 * rig.get(&keys::test::POSITION_M);
-        (rig.get(&controller::LOOP) == Loop::Closed).then_some(Way { from_mm, to_mm })
+        (rig.get(&controller::LOOP) == Loop::Closed).then_some(Approach { from_mm, to_mm })
     }
 
     fn length_mm(&self) -> f64 {
@@ -47,7 +47,7 @@ impl Way {
         if self.length_mm() <= NEAR_MM {
             return Value::Null;
         }
-        let Way { from_mm, to_mm } = self;
+        let Approach { from_mm, to_mm } = self;
         let text = format!(
             "The drive stands at {from_mm:.1} mm, and the test starts at {to_mm:.1} mm. It first goes there at {GO_MM_PER_S:.0} mm/s, {:.1} mm in {:.1} s; then the test runs.",
             self.length_mm(),
@@ -61,7 +61,7 @@ impl Way {
     /// # Errors
     /// When the page has not agreed to it.
     pub fn is_to_go(&self, agreed_mm: Option<f64>) -> Result<bool> {
-        let Way { from_mm, to_mm } = self;
+        let Approach { from_mm, to_mm } = self;
         match agreed_mm {
             None if self.length_mm() <= CREPT_MM => Ok(false),
             None => bail!(
@@ -91,9 +91,9 @@ impl Way {
 mod tests {
     use super::*;
 
-    fn way(from_mm: f64) -> Way {
+    fn way(from_mm: f64) -> Approach {
         let rig = Rig::builtin("servo-b-tuned").expect("a built-in rig");
-        Way::of(&rig, from_mm).expect("a closed loop")
+        Approach::of(&rig, from_mm).expect("a closed loop")
     }
 
     #[test]
@@ -122,6 +122,6 @@ mod tests {
     #[test]
     fn an_open_loop_starts_wherever_the_drive_stands() {
         let rig = Rig::read("open", "[controller]\nloop = \"open\"\n").expect("a rig");
-        assert_eq!(Way::of(&rig, 10.0), None);
+        assert_eq!(Approach::of(&rig, 10.0), None);
     }
 }

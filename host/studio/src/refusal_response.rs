@@ -2,19 +2,19 @@
 
 use axum::Json;
 use axum::response::{IntoResponse, Response};
-use pneudrive_page::refusal::Refusal;
+use pneudrive_page::refusal::HttpRefusal;
 
 /// A refusal as an answer over HTTP.
 #[derive(Debug)]
-pub struct Refused(pub Refusal);
+pub struct RefusalResponse(pub HttpRefusal);
 
-impl<T: Into<Refusal>> From<T> for Refused {
-    fn from(refusal: T) -> Refused {
-        Refused(refusal.into())
+impl<T: Into<HttpRefusal>> From<T> for RefusalResponse {
+    fn from(refusal: T) -> RefusalResponse {
+        RefusalResponse(refusal.into())
     }
 }
 
-impl IntoResponse for Refused {
+impl IntoResponse for RefusalResponse {
     fn into_response(self) -> Response {
         (self.0.status, Json(self.0.body())).into_response()
     }

@@ -6,7 +6,7 @@ use crate::owner::Owner;
 
 /// Why a request was not carried out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Refused<'a> {
+pub enum RequestRefusal<'a> {
     /// The mode of the drive forbids it; with the controller's code of the refusal, or one from [`code`].
     NotNow(u8),
     /// There is no parameter of this id.
@@ -58,10 +58,10 @@ pub enum Refused<'a> {
     },
 }
 
-/// Codes of [`Refused::NotNow`] that are not the controller's, which stay below 128.
+/// Codes of [`RequestRefusal::NotNow`] that are not the controller's, which stay below 128.
 pub mod code {
     /// Another host commands the drive: why the digital inputs have begun nothing. A host is told by
-    /// [`Refused::Owned`](super::Refused::Owned).
+    /// [`RequestRefusal::Owned`](super::RequestRefusal::Owned).
     pub const OWNED: u8 = 128;
     /// The rig asks for a [token](crate::RequestBody::Token) before anything else.
     pub const TOKEN: u8 = 129;

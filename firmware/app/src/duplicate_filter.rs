@@ -12,7 +12,7 @@ const FORGOTTEN_AFTER: u16 = 0x4000;
 
 /// The last requests of a host that changed something, the newest first.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
-pub(crate) struct CarriedOut([Option<Remembered>; REMEMBERED]);
+pub(crate) struct DuplicateFilter([Option<Remembered>; REMEMBERED]);
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 struct Remembered {
@@ -21,7 +21,7 @@ struct Remembered {
     sequence: u16,
 }
 
-impl CarriedOut {
+impl DuplicateFilter {
     /// Whether a request that changes something was carried out before, by the CRC of its message; from now on it was.
     pub(crate) fn has(&mut self, request: &Request<'_>, crc32: u32) -> bool {
         let &Request { session, sequence, ref body, .. } = request;
@@ -64,8 +64,8 @@ mod tests {
 
     #[test]
     fn the_last_ones_are_known_again_and_older_ones_are_not() {
-        let mut carried_out = CarriedOut::default();
-        let mut has = |crc32| carried_out.has(&disarm(0), crc32);
+        let mut duplicates = DuplicateFilter::default();
+        let mut has = |crc32| duplicates.has(&disarm(0), crc32);
         assert!(!has(0) && has(0));
         for crc32 in 1..=REMEMBERED as u32 {
             assert!(!has(crc32) && has(crc32));
@@ -76,21 +76,21 @@ mod tests {
     #[test]
     fn a_copy_is_known_among_the_next_requests_and_not_when_the_numbers_have_come_round() {
         for first in [0, 40_000, u16::MAX] {
-            let mut carried_out = CarriedOut::default();
-            assert!(!carried_out.has(&disarm(first), 7));
+            let mut duplicates = DuplicateFilter::default();
+            assert!(!duplicates.has(&disarm(first), 7));
             let status = |sequence| Request { body: RequestBody::Status, ..disarm(sequence) };
             for later in (0..FORGOTTEN_AFTER).map(|later| first.wrapping_add(later)) {
-                carried_out.has(&status(later), 0);
+                duplicates.has(&status(later), 0);
             }
-            carried_out.has(&status(first.wrapping_sub(FORGOTTEN_AFTER - 1)), 0);
+            duplicates.has(&status(first.wrapping_sub(FORGOTTEN_AFTER - 1)), 0);
             assert!(
-                carried_out.has(&disarm(first), 7),
+                duplicates.has(&disarm(first), 7),
                 "a late copy, after a late copy of an earlier request"
             );
-            carried_out.has(&Request { session: 2, ..status(first.wrapping_add(FORGOTTEN_AFTER)) }, 0);
-            assert!(carried_out.has(&disarm(first), 7), "another session has numbers of its own");
-            carried_out.has(&status(first.wrapping_add(FORGOTTEN_AFTER)), 0);
-            assert!(!carried_out.has(&disarm(first), 7), "another request of the same number");
+            duplicates.has(&Request { session: 2, ..status(first.wrapping_add(FORGOTTEN_AFTER)) }, 0);
+            assert!(duplicates.has(&disarm(first), 7), "another session has numbers of its own");
+            duplicates.has(&status(first.wrapping_add(FORGOTTEN_AFTER)), 0);
+            assert!(!duplicates.has(&disarm(first), 7), "another request of the same number");
         }
     }
 }

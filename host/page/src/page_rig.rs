@@ -6,7 +6,7 @@ use serde::Deserialize;
 
 /// A rig on the page.
 #[derive(Clone, Debug, Deserialize)]
-pub struct Asked {
+pub struct PageRig {
     /// Name of the rig file or of the built-in rig, for messages.
     pub name: String,
     /// The rig file as it was opened.
@@ -16,7 +16,7 @@ pub struct Asked {
     pub settings: Vec<String>,
 }
 
-impl Asked {
+impl PageRig {
     /// The rig with its settings.
     ///
     /// # Errors
@@ -55,7 +55,7 @@ mod tests {
     #[test]
     fn the_command_line_survives_a_shell() {
         let settings = ["load.mass_kg=2.5", "test.moves=[[0.0, 8192]]", "name=\"it's\""];
-        let asked = Asked {
+        let asked = PageRig {
             name: "my rig.toml".to_owned(),
             text: String::new(),
             settings: settings.map(str::to_owned).to_vec(),

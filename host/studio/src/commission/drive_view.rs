@@ -13,7 +13,7 @@ use super::samples::{Row, Samples};
 
 /// The drive at the last look. Figures are None if the rig does not state their scale.
 #[derive(Clone, Debug, Default, Serialize)]
-pub struct Seen {
+pub struct DriveView {
     /// Counts the looks.
     pub look: u32,
     /// disarmed, armed, running, holding, fault; `approaching` on the way to the start of a test; `connecting` before
@@ -58,7 +58,7 @@ pub struct Seen {
     pub bring_up: Option<Value>,
 }
 
-impl Seen {
+impl DriveView {
     /// Takes over what the rig reports.
     pub fn take(&mut self, status: &Status, units: &Units) {
         let is_fault = status.mode == Mode::Fault;
@@ -86,7 +86,7 @@ impl Seen {
 
     /// The figures of the last look.
     fn row(&self) -> Row {
-        let Seen { setpoint, position, pressures, spool, error, command, .. } = *self;
+        let DriveView { setpoint, position, pressures, spool, error, command, .. } = *self;
         Row { setpoint, position, pressures, spool, error, command }
     }
 
@@ -105,21 +105,21 @@ impl Seen {
 
 /// Reports the drive to the page.
 #[derive(Debug)]
-pub struct Teller<'a> {
-    seen: &'a Mutex<Seen>,
+pub struct Reporter<'a> {
+    seen: &'a Mutex<DriveView>,
     begun: Instant,
     /// The scales of the drive.
     pub units: Units,
 }
 
-impl<'a> Teller<'a> {
+impl<'a> Reporter<'a> {
     /// Reports with these scales. The time axis begins now.
-    pub fn new(seen: &'a Mutex<Seen>, units: Units) -> Teller<'a> {
-        Teller { seen, begun: Instant::now(), units }
+    pub fn new(seen: &'a Mutex<DriveView>, units: Units) -> Reporter<'a> {
+        Reporter { seen, begun: Instant::now(), units }
     }
 
     /// What the page sees.
-    pub fn seen(&self) -> MutexGuard<'a, Seen> {
+    pub fn seen(&self) -> MutexGuard<'a, DriveView> {
         self.seen.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -146,7 +146,7 @@ impl<'a> Teller<'a> {
 }
 
 /// Tells the page when the link ends, for whatever reason.
-pub struct End<'a>(pub &'a Mutex<Seen>);
+pub struct End<'a>(pub &'a Mutex<DriveView>);
 
 impl Drop for End<'_> {
     fn drop(&mut self) {
@@ -193,7 +193,7 @@ mod tests {
     #[test]
     fn zeros_from_before_the_first_sample_are_no_figures() {
         let units = Units::default();
-        let mut seen = Seen { position: Some(98.7), ..Seen::default() };
+        let mut seen = DriveView { position: Some(98.7), ..DriveView::default() };
         seen.take(&Status { mode: Mode::Armed, ..Status::default() }, &units);
         assert_eq!((seen.mode, seen.position, seen.look), ("armed", Some(98.7), 1));
         seen.take(&Status { mode: Mode::Running, index: 1, ..Status::default() }, &units);
@@ -204,24 +204,24 @@ mod tests {
     fn zeros_of_a_drive_without_pressure_sensors_are_figures() {
         let mut parameters = RigParameters::default();
         parameters.values.set(id::PRESSURE_SENSORS, 0).expect("a parameter");
-        let seen = Mutex::new(Seen::default());
-        let mut teller = Teller::new(&seen, Units::of(&parameters));
-        teller.look(&Status { mode: Mode::Disarmed, ..Status::default() }, true);
-        assert_eq!(teller.seen().position, Some(0.0));
-        assert_eq!(teller.seen().pressures, [None; 2]);
-        assert!(!teller.seen().line()["samples"].is_null(), "its samples are shown");
+        let seen = Mutex::new(DriveView::default());
+        let mut reporter = Reporter::new(&seen, Units::of(&parameters));
+        reporter.look(&Status { mode: Mode::Disarmed, ..Status::default() }, true);
+        assert_eq!(reporter.seen().position, Some(0.0));
+        assert_eq!(reporter.seen().pressures, [None; 2]);
+        assert!(!reporter.seen().line()["samples"].is_null(), "its samples are shown");
 
         parameters.values.set(id::PRESSURE_SENSORS, 1).expect("a parameter");
-        *teller.seen() = Seen::default();
-        teller.units = Units::of(&parameters);
-        teller.look(&Status { mode: Mode::Disarmed, ..Status::default() }, true);
-        assert_eq!(teller.seen().position, None);
-        assert!(teller.seen().line()["samples"].is_null());
+        *reporter.seen() = DriveView::default();
+        reporter.units = Units::of(&parameters);
+        reporter.look(&Status { mode: Mode::Disarmed, ..Status::default() }, true);
+        assert_eq!(reporter.seen().position, None);
+        assert!(reporter.seen().line()["samples"].is_null());
     }
 
     #[test]
     fn a_trip_is_told_in_words_and_a_disarmed_drive_has_no_setpoint() {
-        let mut seen = Seen::default();
+        let mut seen = DriveView::default();
         let code = pneudrive_controller::Fault::HostSilent.code();
         seen.take(
             &Status { mode: Mode::Fault, fault: code, position: 5, ..Status::default() },
@@ -235,7 +235,7 @@ mod tests {
 
     #[test]
     fn the_page_is_told_of_a_link_whose_thread_has_failed() {
-        let seen = Mutex::new(Seen::default());
+        let seen = Mutex::new(DriveView::default());
         std::thread::scope(|scope| {
             let failing = scope.spawn(|| {
                 let _end = End(&seen);

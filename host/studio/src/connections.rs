@@ -3,8 +3,8 @@
 //!
 //! | connection | may stay | at most |
 //! |---|---|---|
-//! | without the token | [`STRANGER_WAIT`]; the oldest leaves for a new one after [`HURRY`] | [`MAX_STRANGERS`] |
-//! | with the token | as long as it likes; beyond the limit the one that was silent longest leaves for a new one, but never one on which a page follows the drive or a study | [`MAX_KNOWN`] |
+//! | without the token | [`TOKEN_WAIT`]; the oldest leaves for a new one after [`HURRY`] | [`MAX_WITHOUT_TOKEN`] |
+//! | with the token | as long as it likes; beyond the limit the one that was silent longest leaves for a new one, but never one on which a page follows the drive or a study | [`MAX_WITH_TOKEN`] |
 
 use std::pin::pin;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -21,16 +21,16 @@ use tokio::sync::Notify;
 use tokio::time::{sleep, timeout};
 
 /// Time within which a connection must show the token. The files of the page need none.
-pub const STRANGER_WAIT: Duration = Duration::from_secs(10);
+pub const TOKEN_WAIT: Duration = Duration::from_secs(10);
 
 /// Time that a connection has to show the token while others wait for its place.
 pub const HURRY: Duration = Duration::from_millis(100);
 
 /// Most connections without the token.
-pub const MAX_STRANGERS: usize = 64;
+pub const MAX_WITHOUT_TOKEN: usize = 64;
 
 /// Most connections with the token; a page has six.
-pub const MAX_KNOWN: usize = 96;
+pub const MAX_WITH_TOKEN: usize = 96;
 
 /// Time between two looks for a free place.
 const LOOK_AGAIN: Duration = Duration::from_millis(5);
@@ -40,7 +40,7 @@ const STAYS: [&str; 2] = ["/api/drive", "/api/study"];
 
 /// One connection.
 #[derive(Debug)]
-pub struct Guest {
+pub struct Connection {
     came: Instant,
     heard: Mutex<Instant>,
     is_known: AtomicBool,
@@ -48,11 +48,11 @@ pub struct Guest {
     leave: Notify,
 }
 
-impl Guest {
-    fn new() -> Guest {
+impl Connection {
+    fn new() -> Connection {
         let now = Instant::now();
         let (is_known, stays) = (AtomicBool::new(false), AtomicBool::new(false));
-        Guest { came: now, heard: Mutex::new(now), is_known, stays, leave: Notify::new() }
+        Connection { came: now, heard: Mutex::new(now), is_known, stays, leave: Notify::new() }
     }
 
     /// It has shown the token with a request for this path.
@@ -72,7 +72,7 @@ impl Guest {
 
     /// Waits until it has to leave.
     async fn has_to_leave(&self) {
-        let told = timeout(STRANGER_WAIT, self.leave.notified()).await;
+        let told = timeout(TOKEN_WAIT, self.leave.notified()).await;
         if told.is_err() && self.is_known() {
             self.leave.notified().await;
         }
@@ -81,73 +81,77 @@ impl Guest {
 
 /// The open connections.
 #[derive(Debug, Default)]
-struct Guests(Mutex<Vec<Arc<Guest>>>);
+struct Connections(Mutex<Vec<Arc<Connection>>>);
 
-impl Guests {
-    fn all(&self) -> MutexGuard<'_, Vec<Arc<Guest>>> {
+impl Connections {
+    fn all(&self) -> MutexGuard<'_, Vec<Arc<Connection>>> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Admits a new connection, if necessary in the place of another one. None if there is no place.
-    fn take_in(&self) -> Option<Arc<Guest>> {
+    fn take_in(&self) -> Option<Arc<Connection>> {
         let mut all = self.all();
-        let strangers = all.iter().filter(|guest| !guest.is_known()).count();
-        if strangers >= MAX_STRANGERS {
-            let waits = |guest: &&Arc<Guest>| !guest.is_known() && guest.came.elapsed() >= HURRY;
-            let oldest = all.iter().filter(waits).min_by_key(|guest| guest.came).cloned();
+        let without_token = all.iter().filter(|connection| !connection.is_known()).count();
+        if without_token >= MAX_WITHOUT_TOKEN {
+            let waits =
+                |connection: &&Arc<Connection>| !connection.is_known() && connection.came.elapsed() >= HURRY;
+            let oldest = all.iter().filter(waits).min_by_key(|connection| connection.came).cloned();
             send_away(&mut all, &oldest?);
         }
-        while all.iter().filter(|guest| guest.is_known()).count() > MAX_KNOWN {
-            let idle = all.iter().filter(|guest| guest.is_known() && !guest.stays.load(Ordering::Relaxed));
-            let Some(longest) = idle.min_by_key(|guest| guest.heard()).cloned() else { break };
+        while all.iter().filter(|connection| connection.is_known()).count() > MAX_WITH_TOKEN {
+            let idle = all
+                .iter()
+                .filter(|connection| connection.is_known() && !connection.stays.load(Ordering::Relaxed));
+            let Some(longest) = idle.min_by_key(|connection| connection.heard()).cloned() else { break };
             send_away(&mut all, &longest);
         }
-        let guest = Arc::new(Guest::new());
-        all.push(guest.clone());
-        Some(guest)
+        let connection = Arc::new(Connection::new());
+        all.push(connection.clone());
+        Some(connection)
     }
 
-    fn leaves(&self, guest: &Arc<Guest>) {
-        self.all().retain(|other| !Arc::ptr_eq(other, guest));
+    fn leaves(&self, connection: &Arc<Connection>) {
+        self.all().retain(|other| !Arc::ptr_eq(other, connection));
     }
 }
 
-fn send_away(all: &mut Vec<Arc<Guest>>, guest: &Arc<Guest>) {
+fn send_away(all: &mut Vec<Arc<Connection>>, connection: &Arc<Connection>) {
     // notify_one also reaches a connection that does not wait yet.
-    guest.leave.notify_one();
-    all.retain(|other| !Arc::ptr_eq(other, guest));
+    connection.leave.notify_one();
+    all.retain(|other| !Arc::ptr_eq(other, connection));
 }
 
 /// Serves all connections, forever.
 pub async fn serve(listener: TcpListener, router: Router) {
-    let guests = Arc::new(Guests::default());
+    let connections = Arc::new(Connections::default());
     loop {
         let Ok((stream, _)) = listener.accept().await else {
             // No file descriptor is free: a connection will end in a moment.
             sleep(HURRY).await;
             continue;
         };
-        let guest = loop {
-            match guests.take_in() {
-                Some(guest) => break guest,
+        let connection = loop {
+            match connections.take_in() {
+                Some(connection) => break connection,
                 None => sleep(LOOK_AGAIN).await,
             }
         };
-        let (guests, router) = (guests.clone(), router.clone().layer(Extension(guest.clone())));
+        let (connections, router) =
+            (connections.clone(), router.clone().layer(Extension(connection.clone())));
         tokio::spawn(async move {
-            serve_guest(stream, router, &guest).await;
-            guests.leaves(&guest);
+            serve_one(stream, router, &connection).await;
+            connections.leaves(&connection);
         });
     }
 }
 
-async fn serve_guest(stream: TcpStream, router: Router, guest: &Guest) {
+async fn serve_one(stream: TcpStream, router: Router, connection: &Connection) {
     // The rest of an answer would wait for the browser to acknowledge it.
     drop(stream.set_nodelay(true));
     let service = TowerToHyperService::new(router);
-    let connection = http1::Builder::new().serve_connection(TokioIo::new(stream), service);
+    let served = http1::Builder::new().serve_connection(TokioIo::new(stream), service);
     // How a connection ends is the browser's business.
-    drop(select(pin!(connection), pin!(guest.has_to_leave())).await);
+    drop(select(pin!(served), pin!(connection.has_to_leave())).await);
 }
 
 #[cfg(test)]
@@ -156,34 +160,34 @@ mod tests {
 
     #[test]
     fn one_that_shows_the_token_keeps_its_place_however_many_strangers_come() {
-        let guests = Guests::default();
-        let known = guests.take_in().expect("a place");
+        let connections = Connections::default();
+        let known = connections.take_in().expect("a place");
         known.shows_token("/api/drive");
-        for _ in 0..MAX_STRANGERS {
-            guests.take_in().expect("a place");
+        for _ in 0..MAX_WITHOUT_TOKEN {
+            connections.take_in().expect("a place");
         }
-        assert!(guests.take_in().is_none(), "all of them have just come");
+        assert!(connections.take_in().is_none(), "all of them have just come");
         std::thread::sleep(HURRY);
         for _ in 0..2 {
-            guests.take_in().expect("that of a stranger");
+            connections.take_in().expect("that of one without the token");
         }
-        let all = guests.all();
-        assert!(all.iter().any(|guest| Arc::ptr_eq(guest, &known)));
-        assert_eq!(all.len(), MAX_STRANGERS + 1);
+        let all = connections.all();
+        assert!(all.iter().any(|connection| Arc::ptr_eq(connection, &known)));
+        assert_eq!(all.len(), MAX_WITHOUT_TOKEN + 1);
     }
 
     #[test]
     fn of_those_that_have_shown_it_a_page_that_follows_the_drive_stays() {
-        let guests = Guests::default();
-        let follows = guests.take_in().expect("a place");
+        let connections = Connections::default();
+        let follows = connections.take_in().expect("a place");
         follows.shows_token("/api/drive");
-        let idle = guests.take_in().expect("a place");
+        let idle = connections.take_in().expect("a place");
         idle.shows_token("/api/check");
-        for _ in 0..MAX_KNOWN {
-            guests.take_in().expect("a place").shows_token("/api/order");
+        for _ in 0..MAX_WITH_TOKEN {
+            connections.take_in().expect("a place").shows_token("/api/order");
         }
-        let all = guests.all();
-        let holds = |guest: &Arc<Guest>| all.iter().any(|other| Arc::ptr_eq(other, guest));
+        let all = connections.all();
+        let holds = |connection: &Arc<Connection>| all.iter().any(|other| Arc::ptr_eq(other, connection));
         assert_eq!((holds(&follows), holds(&idle)), (true, false));
     }
 }

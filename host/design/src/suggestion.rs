@@ -1,12 +1,12 @@
 //! Answers that make a rig, near to some that make none.
 
 use crate::own_drive::rig_file;
-use crate::question::{Answers, QUESTIONS, Refusal, question_of};
+use crate::question::{AnswerProblem, Answers, QUESTIONS, question_of};
 
 /// The same answers with each refused one replaced by the proposal of its refusal, left out, or replaced by the
 /// example of its question, whichever works first. None if nothing of this makes a rig.
 #[must_use]
-pub fn mended(name: &str, answers: &Answers) -> Option<Answers> {
+pub fn suggestion(name: &str, answers: &Answers) -> Option<Answers> {
     let mut answers = answers.clone();
     for _ in QUESTIONS {
         let Err(wrong) = rig_file(name, &answers) else { return Some(answers) };
@@ -16,7 +16,7 @@ pub fn mended(name: &str, answers: &Answers) -> Option<Answers> {
 }
 
 /// Answers to which one refusal no longer applies.
-fn without(name: &str, answers: &Answers, refusal: &Refusal) -> Option<Answers> {
+fn without(name: &str, answers: &Answers, refusal: &AnswerProblem) -> Option<Answers> {
     let question = question_of(refusal.question)?;
     let proposals = [refusal.instead.as_deref(), Some(""), Some(question.example)];
     proposals.into_iter().flatten().find_map(|text| {
@@ -41,8 +41,8 @@ mod tests {
             &[("cylinder", "iso-6432-16"), ("force", "2 kN"), ("stroke", "30 m"), ("resolution", "1 m")],
         ] {
             let given = Answers::of(given);
-            let mended = mended("own", &given).unwrap_or_else(|| panic!("{given:?}"));
-            assert!(rig_file("own", &mended).is_ok(), "{mended:?}");
+            let suggestion = suggestion("own", &given).unwrap_or_else(|| panic!("{given:?}"));
+            assert!(rig_file("own", &suggestion).is_ok(), "{suggestion:?}");
         }
     }
 
@@ -54,8 +54,8 @@ mod tests {
             ("mass", "8 kg"),
             ("valve", "proportional-5-3-350"),
         ];
-        let mended = mended("own", &Answers::of(&given)).expect("a rig");
-        assert!(given.iter().all(|(name, text)| mended.text(name) == Some(text)));
-        assert_eq!(mended.given().count(), given.len());
+        let suggestion = suggestion("own", &Answers::of(&given)).expect("a rig");
+        assert!(given.iter().all(|(name, text)| suggestion.text(name) == Some(text)));
+        assert_eq!(suggestion.given().count(), given.len());
     }
 }
