@@ -1,7 +1,7 @@
 //! Models of a component of which each has a file: no other source names one. All else asks a model through the trait of
 //! its component, so that a model more is a file and its line in `models!`.
 //!
-//! Refused are the variant (`Model::FlowNode`), and the word of the rig file as a literal (`"flow-node"`, in the crate of the
+//! Refused are the variant (`ValveKind::FlowNode`), and the word of the rig file as a literal (`"flow-node"`, in the crate of the
 //! list) or as a setting (`valve.model=flow-node`, in all crates).
 
 use std::path::Path;
@@ -70,7 +70,7 @@ fn names(tokens: &[String], model: &Model, is_home: bool, key: &str) -> bool {
     let word = &model.word;
     let literal = format!("{word:?}");
     let settings = [format!("{key}={word}"), format!("{key} = \\\"{word}"), format!("{key}=\\\"{word}")];
-    let variant = ["Model", ":", ":", &model.variant];
+    let variant = ["ValveKind", ":", ":", &model.variant];
     tokens.windows(variant.len()).any(|some| some == variant)
         || tokens.iter().filter(|token| token.starts_with('"')).any(|token| {
             (is_home && *token == literal) || settings.iter().any(|setting| token.contains(setting.as_str()))
@@ -128,7 +128,7 @@ mod tests {
             ("sim/src/component.rs", "mod valve;"),
             ("sim/src/component/valve.rs", "mod model;"),
             ("sim/src/component/valve/model.rs", LIST),
-            ("sim/src/component/valve/model/plain.rs", "const MODEL: Model = Model::Plain;"),
+            ("sim/src/component/valve/model/plain.rs", "const MODEL: ValveKind = ValveKind::Plain;"),
             ("sim/src/network.rs", network),
             ("host/src/lib.rs", host),
         ] {
@@ -143,7 +143,7 @@ mod tests {
     fn a_model_is_named_in_its_file_and_in_its_list_only() {
         assert!(found("fn of() {}", "").is_empty());
         for (network, host) in [
-            ("fn of(m: Model) -> bool { matches!(m, Model::Plain | Model::Other) }", ""),
+            ("fn of(m: ValveKind) -> bool { matches!(m, ValveKind::Plain | ValveKind::Other) }", ""),
             ("fn of(word: &str) -> bool { [\"plain-bore\"].contains(&word) }", ""),
             ("", "fn of(m: valve::ValveKind) -> bool { m == valve::ValveKind::Plain }"),
             ("", "const SETTING: &str = \"valve.model=plain-bore\";"),
@@ -156,7 +156,7 @@ mod tests {
 
     #[test]
     fn docs_tests_and_words_of_other_crates_may_name_a_model() {
-        let network = "/// As with valve.model=plain-bore.\nfn of() {}\n#[cfg(test)] mod tests { fn of() { Model::Plain } }";
+        let network = "/// As with valve.model=plain-bore.\nfn of() {}\n#[cfg(test)] mod tests { fn of() { ValveKind::Plain } }";
         assert!(found(network, "const QUESTION: &str = \"plain-bore\";").is_empty());
     }
 }

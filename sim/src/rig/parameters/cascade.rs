@@ -19,9 +19,10 @@ use crate::component::load::Load;
 use crate::component::valve::flow_law::FlowLaw;
 use crate::component::valve::iso6358::{Iso6358, REFERENCE_DENSITY, REFERENCE_TEMPERATURE};
 use crate::component::valve::lands::CharacteristicKind as Characteristic;
-use crate::component::valve::model::Paths;
+use crate::component::valve::model::WITH_CONDUCTANCES;
 use crate::component::valve::spool_travel;
 use crate::component::{operator, tubing};
+use crate::key::Choice;
 use crate::keys;
 use crate::values::{Findings, Rig};
 
@@ -213,6 +214,7 @@ pub(in crate::rig) fn check(rig: &Rig, findings: &mut Findings) {
     if rig.get(&LAW) != Law::Cascade || rig.get(&LOOP) == Loop::Open {
         return;
     }
+    let by_conductance = format!("valve.model = \"{}\": a known flow", WITH_CONDUCTANCES.join("\" or \""));
     let needs: [(bool, &str); 6] = [
         (
             rig.get(&keys::sensors::PRESSURE),
@@ -226,10 +228,7 @@ pub(in crate::rig) fn check(rig: &Rig, findings: &mut Findings) {
             rig.get(&keys::dither::DITHER_MM) == 0.0,
             "operator.dither_mm = 0: its spool must be where it thinks it is",
         ),
-        (
-            rig.get(&keys::valve::MODEL).facts().paths == Paths::Conductances,
-            "valve.model = \"iso-6358\": a known flow",
-        ),
+        (WITH_CONDUCTANCES.contains(&rig.get(&keys::valve::MODEL).word()), &by_conductance),
         (
             rig.get(&keys::lands::CHARACTERISTIC) == Characteristic::Linear,
             "valve.characteristic = \"linear\": a flow in proportion to the spool",
