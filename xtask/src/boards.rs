@@ -31,8 +31,8 @@ struct Board {
     memory_end: u64,
 }
 
-/// For a simulated plant, and for a cylinder: the one that is flashed is built last and stays. As many bytes as the slot of
-/// a program is to have.
+/// For a simulated plant, and for a cylinder: the one that is flashed is built last and stays. A program takes one sector at
+/// most.
 const NUCLEO: Board = Board {
     image: "nucleo-f446",
     variants: &[
@@ -42,7 +42,7 @@ const NUCLEO: Board = Board {
     ],
     flash_start: 0x0800_0000,
     kept: nucleo::KEPT,
-    flash_limit: 96 * 1024,
+    flash_limit: 128 * 1024,
     memory_end: 0x2000_0000 + 128 * 1024,
 };
 

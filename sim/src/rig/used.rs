@@ -141,8 +141,12 @@ impl Rig {
     /// Those of them whose values are not what the rig has without them anyway.
     #[must_use]
     pub fn written_in_vain(&self) -> BTreeSet<&'static str> {
-        let neutral = |path: &&str| self.without(path).value(path) == self.value(path);
-        self.unused().into_iter().filter(|path| !neutral(path)).collect()
+        let unused = self.unused();
+        if unused.is_empty() {
+            return BTreeSet::new();
+        }
+        let without = self.without(&unused);
+        unused.into_iter().filter(|path| without.value(path) != self.value(path)).collect()
     }
 
     /// Notes those of some keys that were written in vain.
@@ -153,10 +157,10 @@ impl Rig {
         }
     }
 
-    /// The value that holds without a key.
-    fn without(&self, path: &str) -> Rig {
+    /// The rig without some of its keys.
+    fn without(&self, paths: &[&str]) -> Rig {
         let mut other = self.clone();
-        if let Some(key) = find_key(path) {
+        for key in paths.iter().filter_map(|path| find_key(path)) {
             other.set.remove(key.path);
             other.put(key.path, preset_value(&key.preset));
         }
