@@ -10,7 +10,7 @@
 //! ```text
 //! page -> /api/order -> Order -> pilot -> rig      at once, without an answer; a stop is answered when it is done
 //!      -> /api/ask   -> Order -> pilot -> rig      parameters, record, bring-up: answered when it is done
-//!      <- /api/drive <- DriveView  <- pilot <- rig      looks, samples, what a bring-up shows
+//!      <- /api/drive <- DriveView <- pilot <- rig  looks, samples, what a bring-up shows
 //! ```
 
 mod approach;

@@ -48,7 +48,7 @@ struct Varied {
 }
 
 #[derive(Debug, Deserialize)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "words, or a range with steps")]
 enum AxisValues {
     Words {
         words: Vec<String>,
