@@ -67,13 +67,19 @@ struct Drive {
 impl Drive {
     /// A plant with mass and friction within 30 % and a supply within 5 % of the file's, its load at a place (m).
     fn drawn(of: &[&str], draws: &mut Draws, start: f64) -> Drive {
+        let factors = [draws.between(0.7, 1.3), draws.between(0.7, 1.3), draws.between(0.95, 1.05)];
+        Drive::unlike(of, factors, start)
+    }
+
+    /// The same with these factors of mass, friction and supply.
+    fn unlike(of: &[&str], [mass, friction, supply]: [f64; 3], start: f64) -> Drive {
         let known = rig(&settings(of));
         let number = |key: &str| known.number_at(key).expect("a number");
-        let (mass, friction, supply) =
-            (draws.between(0.7, 1.3), draws.between(0.7, 1.3), draws.between(0.95, 1.05));
         let count = number("encoder.mm_per_count") * 1e-3;
         let start = (start / count).floor() as i32;
         let mut real = settings(of);
+        // It only moves, whatever the law's model can be.
+        real.push("controller.law=\"gain-profile\"".to_owned());
         for (key, by) in [
             ("load.mass_kg", mass),
             ("load.static_extend_n", friction),
@@ -168,6 +174,14 @@ fn a_drive_by_its_data_sheet_alone_positions_within_a_twentieth_of_a_millimetre(
             assert!(came < 0.5 && beyond < 0.1e-3 && high - low < 0.05e-3, "{what}");
         }
     }
+}
+
+/// The law shuts the valve once the air pushes as it wants, so that the command alone would tell of no effort.
+#[test]
+fn a_jammed_rod_trips_the_stall_detector() {
+    let mut drive = Drive::unlike(&[], [1.0, 100.0, 1.0], 0.1);
+    let fault = drive.run(&drive.step(6000, 3.0), |_, _, _, _| {});
+    assert_eq!(fault, Some(Fault::NoMotion));
 }
 
 /// The integers on a run beside the equations in real numbers on the same samples: place (counts), speed (counts a sample), standing

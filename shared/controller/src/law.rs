@@ -48,6 +48,8 @@ pub struct LawConfig {
     pub learning_gain: u16,
     /// The largest command that the drive stage takes, valve counts.
     pub largest: i16,
+    /// Farther than this from its setpoint (counts) the axis is pushed, whatever the command ([`crate::limits`]).
+    pub pushes_beyond: u32,
 }
 
 /// The gain of the law in force on pressures.
@@ -99,6 +101,12 @@ pub(crate) trait ControlLaw: Default {
     /// Its own constants.
     type Settings;
 
+    /// The error (counts) beyond which it pushes the axis, though it may have shut the valve on the air that pushes: there the
+    /// command tells nothing of the effort. By default none: the command is the effort.
+    fn pushes_beyond(_settings: &Self::Settings) -> u32 {
+        u32::MAX
+    }
+
     /// As it begins a run: a drive at rest.
     fn begin(_config: &LawConfig, _settings: &Self::Settings) -> Self {
         Self::default()
@@ -129,6 +137,13 @@ macro_rules! control_laws {
             pub(crate) fn of(parameters: &Parameters) -> Settings {
                 match Law::of(parameters.scalar(id::LAW)) {
                     $(Law::$law => Settings::$law($file::Settings::of(parameters)),)+
+                }
+            }
+
+            /// The error beyond which the law pushes the axis whatever its command, counts.
+            pub(crate) fn pushes_beyond(&self) -> u32 {
+                match self {
+                    $(Settings::$law(settings) => <$file::$law as ControlLaw>::pushes_beyond(settings),)+
                 }
             }
         }

@@ -129,6 +129,8 @@ const LENGTH_MAX: i32 = 1 << 24;
 const FLOW_MAX: i32 = 1 << 28;
 const ACCELERATION_MAX: i32 = 1 << 28;
 const DECAY: i32 = 1 << 30;
+/// What is lowered to i32::MAX was out of range.
+const PULL_MAX: i32 = i32::MAX - 1;
 const SPOOL_MAX: i32 = (COMMAND_MAX) << 16;
 const LAW_MAX: i32 = Law::ALL.len() as i32 - 1;
 const ENCODER_MAX: i32 = EncoderKind::ALL.len() as i32 - 1;

@@ -74,10 +74,12 @@ impl State {
 
     fn watch(&mut self, config: &Config, input: &Sample, motion: &Motion) {
         let holds_or_runs = matches!(self.supervisor.mode(), Mode::Running | Mode::Done);
-        let from_null = if holds_or_runs && config.law.control_loop == Loop::Closed {
-            i32::from(self.observation.command).abs_diff(i32::from(config.law.null_offset))
-        } else {
+        let from_null = if !(holds_or_runs && config.law.control_loop == Loop::Closed) {
             0
+        } else if self.observation.error.unsigned_abs() > config.law.pushes_beyond {
+            config.limits.stall_detector.full
+        } else {
+            i32::from(self.observation.command).abs_diff(i32::from(config.law.null_offset))
         };
         let evidence = Evidence { motion, input, referenced: self.supervisor.is_referenced(), from_null };
         self.supervisor.watch(&config.limits, &evidence);

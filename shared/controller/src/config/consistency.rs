@@ -42,6 +42,8 @@ fn rules(parameters: &Parameters) -> [(bool, ConfigError); 14] {
     let none_is_high = get(id::SENSOR_HIGH_RAW) == i64::from(NONE_IS_HIGH);
     let is_cascade = Law::of(parameters.scalar(id::LAW)) == Law::Cascade && get(id::OPEN_LOOP) == 0;
     let has_model = get(id::CASCADE_STROKE) > 0 && get(id::PRESSURE_SENSORS) != 0 && get(id::STEPPER) == 0;
+    // It leaves an error that friction holds; that is none of the valve's null.
+    let learns_null = get(id::LEARNING_GAIN) != 0;
     let range = get(id::POSITION_MAX_COUNTS) - get(id::POSITION_MIN_COUNTS);
     [
         (below(id::DELAY_US, id::PERIOD_US), ConfigError::DelayNotBelowPeriod),
@@ -57,7 +59,7 @@ fn rules(parameters: &Parameters) -> [(bool, ConfigError); 14] {
         (get(id::HOMING_COMMAND_COUNTS) != 0, ConfigError::HomingStandsStill),
         (within_period(id::DIRECTION_SETUP_US, id::PULSE_WIDTH_US), ConfigError::PulseTooLong),
         (get(id::PRESSURE_SENSORS) != 0 || pressure_gain(parameters) == 0, ConfigError::NothingToFeedBack),
-        (!is_cascade || has_model, ConfigError::NoModel),
+        (!is_cascade || (has_model && !learns_null), ConfigError::NoModel),
     ]
 }
 

@@ -29,7 +29,8 @@ pub enum ConfigError {
     PulseTooLong,
     /// Without pressure sensors the gain of the law on pressures must be 0.
     NothingToFeedBack,
-    /// The law cascade needs a model of its drive (`cascade_stroke` above 0), pressure sensors and a valve with a converter.
+    /// The law cascade needs a model of its drive (`cascade_stroke` above 0), pressure sensors and a valve with a
+    /// converter, and learns no null offset.
     NoModel,
     /// A divisor (`period_us`, `delay_us`, `scale`) is not positive.
     DivisorNotPositive,
@@ -64,7 +65,7 @@ impl ConfigError {
                 "pressure_feedback_gain (on-off law) or pressure_damping_gain (other laws) must be 0 where pressure_sensors is 0"
             }
             ConfigError::NoModel => {
-                "law must be another than cascade without the parameters cascade_... of a rig file, with pressure_sensors = 0, or with a stepper"
+                "law must be another than cascade without the parameters cascade_... of a rig file, with pressure_sensors = 0, with a stepper, or with a learning_gain"
             }
             ConfigError::DivisorNotPositive => "period_us, delay_us and scale must be positive",
         }

@@ -25,7 +25,7 @@
 //!
 //! Friction that gives way like a spring would be shaken for ever. A load that turns four times after the end of its way, or creeps at
 //! rest, has such bristles: from then on its friction keeps its sign at the end of a way, it rests as soon as it is slow, and its rest
-//! is damped by 65/s of the mass. After eight turns it rests wherever it is. What gets away from there three times by 0.9 mm is dry after all.
+//! is damped by 65/s of the mass. At the ninth turn it rests wherever it is. What gets away from there three times by 0.9 mm is dry after all.
 
 pub mod air;
 pub mod flow;
@@ -221,9 +221,9 @@ impl Rest {
         Rest {
             still: samples(6000, period_us).max(4),
             slow: product(speed, 328, 16),
-            near: counts(40),
+            near: counts(40).max(1),
             close: counts(20),
-            slipped: counts(60),
+            slipped: counts(60).max(2),
             turning: product(speed, 197, 16),
             creeping: product(speed, 524, 16),
             at_target: counts(300),
@@ -306,9 +306,10 @@ impl Cascade {
         }
         let error = reference.error.unsigned_abs();
         match self.phase {
-            Phase::Profile => {
+            Phase::Profile if self.has_been_led(&settings.rest, target) => {
                 (self.phase, self.way) = (Phase::Way, Way::at_rest(motion::middle(target)));
             }
+            Phase::Profile => self.set_off(settings, force),
             _ if new && self.motion.stuck && error < settings.rest.near => self.rest(count, force),
             _ if new => self.set_off(settings, force),
             Phase::Way => {
@@ -345,12 +346,18 @@ impl Cascade {
         }
     }
 
+    /// Whether a profile has come to rest at the target, and was not cut short.
+    fn has_been_led(&self, rest: &Rest, target: i32) -> bool {
+        let left = motion::middle(target).saturating_sub(self.reference.x).unsigned_abs() >> 16;
+        left < u64::from(rest.near) && self.reference.v.saturating_abs() < rest.slow
+    }
+
     /// Turns after the end of a way are those of a load on a spring.
     fn count_turns(&mut self, rest: &Rest) {
         let sign = self.motion.v.signum();
         if self.way.over().is_some() && self.motion.v.saturating_abs() > rest.turning && sign != self.turned {
             (self.turns, self.turned) = (self.turns.saturating_add(1), sign);
-            self.elastic |= self.turns > 3;
+            self.elastic |= self.turns > 3 && self.lost < 3;
         }
     }
 
@@ -435,6 +442,10 @@ impl Cascade {
 
 impl ControlLaw for Cascade {
     type Settings = Settings;
+
+    fn pushes_beyond(settings: &Settings) -> u32 {
+        settings.rest.away
+    }
 
     #[inline(never)]
     fn demand(

@@ -108,7 +108,7 @@ macro_rules! parameter_table {
                 77 CASCADE_STEEPNESS_SUPPLY "cascade_steepness_supply" "" [65_536, 1_048_576, 93_623] () "" "Of the law cascade: 1/(1 - b) of the path from the supply, in 2^-16." only Cascade;
                 78 CASCADE_STEEPNESS_EXHAUST "cascade_steepness_exhaust" "" [65_536, 1_048_576, 93_623] () "" "Of the law cascade: 1/(1 - b) of the path to the exhaust, in 2^-16." only Cascade;
                 79 CASCADE_LEAKAGE "cascade_leakage" "" [0, 32_768, 0] () "" "Of the law cascade: conductance of a shut path, in 2^-16 of that of the open one." only Cascade;
-                80 CASCADE_ACCELERATION "cascade_acceleration" "counts" [64, ACCELERATION_MAX, 65_536] () "" "Of the law cascade: what the supply on area 1 accelerates the mass by, counts per sample squared, in 2^-16." only Cascade;
+                80 CASCADE_ACCELERATION "cascade_acceleration" "counts" [2048, ACCELERATION_MAX, 65_536] () "" "Of the law cascade: what the supply on area 1 accelerates the mass by, counts per sample squared, in 2^-16." only Cascade;
                 81 CASCADE_COULOMB_EXTEND "cascade_coulomb_extend" "" [0, UNIT, 0] () "" "Of the law cascade: friction in motion, extending, in 2^-24 of the supply on area 1." only Cascade;
                 82 CASCADE_COULOMB_RETRACT "cascade_coulomb_retract" "" [0, UNIT, 0] () "" "Of the law cascade: friction in motion, retracting, in 2^-24 of the supply on area 1." only Cascade;
                 83 CASCADE_STICTION "cascade_stiction" "" [0, UNIT, 0] () "" "Of the law cascade: the smaller of both static frictions, in 2^-24 of the supply on area 1." only Cascade;
@@ -118,15 +118,15 @@ macro_rules! parameter_table {
                 87 CASCADE_DEAD_TIME "cascade_dead_time" "samples" [32_768, 4_194_304, 131_072] () "" "Of the law cascade: from a sample to what it does to the flow, in 2^-16 samples." only Cascade;
                 88 CASCADE_FORCE_POLE "cascade_force_pole" "" [64, 65_536, 16_384] () "" "Of the law cascade: pole of the force loop, in 2^-16 a sample." only Cascade;
                 89 CASCADE_POSITION_POLE "cascade_position_pole" "" [64, 65_536, 6_554] () "" "Of the law cascade: double pole of the position loop, in 2^-16 a sample." only Cascade;
-                90 CASCADE_MOTION_DECAY "cascade_motion_decay" "" [0, 1_073_741_823, 724_000_000] () "" "Of the law cascade: what is left of an error of the motion observer a sample later, in 2^-30." only Cascade;
-                91 CASCADE_FLOW_DECAY "cascade_flow_decay" "" [0, 1_073_741_823, 940_000_000] () "" "Of the law cascade: what is left of an error of the flow observer a sample later, in 2^-30." only Cascade;
+                90 CASCADE_MOTION_DECAY "cascade_motion_decay" "" [0, 1_057_094_999, 724_000_000] () "" "Of the law cascade: what is left of an error of the motion observer a sample later, in 2^-30." only Cascade;
+                91 CASCADE_FLOW_DECAY "cascade_flow_decay" "" [0, 1_067_885_825, 940_000_000] () "" "Of the law cascade: what is left of an error of the flow observer a sample later, in 2^-30." only Cascade;
                 92 CASCADE_SPOOL_OUTPUT_PLACE "cascade_spool_output_place" "" [-DECAY, DECAY, 0] () "" "Of the law cascade: spool at the output by that at the sample, both from the command, in 2^-30." only Cascade;
                 93 CASCADE_SPOOL_OUTPUT_SPEED "cascade_spool_output_speed" "" [-DECAY, DECAY, 0] () "" "Of the law cascade: spool at the output by its speed at the sample, in 2^-30." only Cascade;
-                94 CASCADE_SPOOL_OUTPUT_PULL "cascade_spool_output_pull" "" [-i32::MAX, i32::MAX, 0] () "" "Of the law cascade: speed of the spool at the output by its place at the sample, in 2^-28." only Cascade;
+                94 CASCADE_SPOOL_OUTPUT_PULL "cascade_spool_output_pull" "" [-PULL_MAX, PULL_MAX, 0] () "" "Of the law cascade: speed of the spool at the output by its place at the sample, in 2^-28." only Cascade;
                 95 CASCADE_SPOOL_OUTPUT_COAST "cascade_spool_output_coast" "" [-DECAY, DECAY, 0] () "" "Of the law cascade: speed of the spool at the output by that at the sample, in 2^-30." only Cascade;
                 96 CASCADE_SPOOL_SAMPLE_PLACE "cascade_spool_sample_place" "" [-DECAY, DECAY, 0] () "" "Of the law cascade: spool at the next sample by that at the output, both from the command, in 2^-30." only Cascade;
                 97 CASCADE_SPOOL_SAMPLE_SPEED "cascade_spool_sample_speed" "" [-DECAY, DECAY, 0] () "" "Of the law cascade: spool at the next sample by its speed at the output, in 2^-30." only Cascade;
-                98 CASCADE_SPOOL_SAMPLE_PULL "cascade_spool_sample_pull" "" [-i32::MAX, i32::MAX, 0] () "" "Of the law cascade: speed of the spool at the next sample by its place at the output, in 2^-28." only Cascade;
+                98 CASCADE_SPOOL_SAMPLE_PULL "cascade_spool_sample_pull" "" [-PULL_MAX, PULL_MAX, 0] () "" "Of the law cascade: speed of the spool at the next sample by its place at the output, in 2^-28." only Cascade;
                 99 CASCADE_SPOOL_SAMPLE_COAST "cascade_spool_sample_coast" "" [-DECAY, DECAY, 0] () "" "Of the law cascade: speed of the spool at the next sample by that at the output, in 2^-30." only Cascade;
                100 CASCADE_SPOOL_LAG "cascade_spool_lag" "samples" [0, 4_194_304, 65_536] () "" "Of the law cascade: lag of the spool behind its command, in 2^-16 samples." only Cascade;
                101 CASCADE_OUTPUT_SHARE "cascade_output_share" "" [0, 65_536, 26_214] () "" "Of the law cascade: part of a period from the sample to the output, in 2^-16." only Cascade;

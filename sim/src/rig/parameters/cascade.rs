@@ -215,7 +215,8 @@ pub(in crate::rig) fn check(rig: &Rig, findings: &mut Findings) {
         return;
     }
     let by_conductance = format!("valve.model = \"{}\": a known flow", WITH_CONDUCTANCES.join("\" or \""));
-    let needs: [(bool, &str); 6] = [
+    let travel = spool_travel(rig);
+    let needs: [(bool, &str); 10] = [
         (
             rig.get(&keys::sensors::PRESSURE),
             "sensors.pressure = true: it is a loop of the force, which it knows by the pressures",
@@ -227,6 +228,19 @@ pub(in crate::rig) fn check(rig: &Rig, findings: &mut Findings) {
         (
             rig.get(&keys::dither::DITHER_MM) == 0.0,
             "operator.dither_mm = 0: its spool must be where it thinks it is",
+        ),
+        (
+            1e-3 * rig.get(&keys::amplifier::SATURATION_MM) >= travel,
+            "operator.saturation_mm of at least valve.spool_travel_mm: a command that opens the valve fully",
+        ),
+        (
+            !rig.get(&keys::controller::LEARN_NULL_OFFSET),
+            "controller.learn_null_offset = false: it leaves an error that friction holds",
+        ),
+        (rig.get(&keys::valve::UNDERLAP_MM) >= 0.0, "valve.underlap_mm of at least 0: one path at a time"),
+        (
+            paths(rig).iter().all(|path| path.subsonic_index == 0.5),
+            "valve.subsonic_index = 0.5: the ellipse of ISO 6358",
         ),
         (WITH_CONDUCTANCES.contains(&rig.get(&keys::valve::MODEL).word()), &by_conductance),
         (
