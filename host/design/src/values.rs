@@ -161,7 +161,7 @@ mod tests {
 
     #[test]
     fn keys_that_the_models_do_not_use_are_left_out() {
-        let rig = rig("[operator]\nmax_steps = 30\n");
+        let rig = rig("[operator]\nmodel = \"solenoid\"\n");
         assert!(entries(&rig).all(|entry| entry.key.path != "operator.max_steps"));
     }
 

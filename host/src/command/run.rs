@@ -19,7 +19,7 @@ use serde_json::json;
 
 use super::interrupts::Interrupts;
 use super::progress::Progress;
-use super::rig_source::{load_rig, through_points};
+use super::rig_source::{load_rig_with, through_points};
 use crate::cli::Run;
 use crate::json;
 
@@ -51,7 +51,7 @@ pub(super) fn execute(arguments: &Run) -> Result<()> {
 
 /// The rig with the test to run.
 fn rig_of(arguments: &Run) -> Result<Rig> {
-    let rig = load_rig(&arguments.rig, &arguments.settings)?;
+    let rig = load_rig_with(&arguments.rig, &arguments.settings, arguments.points.is_some())?;
     for setting in &arguments.settings {
         check_setting(setting, arguments.config)?;
     }

@@ -20,8 +20,8 @@ use serde_json::json;
 
 use super::figures as told;
 use super::progress::Progress;
-use super::rig_source::{load_choice, load_rig, through_points};
-use crate::cli::Simulate;
+use super::rig_source::{load_rig, load_rig_with, through_points};
+use crate::cli::{RigChoice, Simulate};
 use crate::exit::Exit;
 use crate::json;
 
@@ -80,7 +80,8 @@ pub(super) fn execute(arguments: &Simulate) -> Result<()> {
 
 /// The rig with the test to run, and notes on the origin of the test.
 fn rig_of(arguments: &Simulate) -> Result<RigOfRecord> {
-    let mut rig = load_choice(&arguments.rig)?;
+    let RigChoice { rig, settings } = &arguments.rig;
+    let mut rig = load_rig_with(rig, settings, arguments.points.is_some())?;
     if let Some(test) = &arguments.test {
         rig = rig.with_test_of(&load_rig(test, &[])?)?;
     }

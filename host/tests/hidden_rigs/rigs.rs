@@ -146,7 +146,6 @@ impl Text {
         self.put("supply.pressure_pa", supply_pa);
         self.put("valve.sleeve_diameter_mm", 10.0 * size);
         self.put("valve.spool_diameter_mm", 10.0 * size - 0.02);
-        self.put("valve.spool_rod_diameter_mm", 6.0 * size);
         self.put("valve.port_diameter_mm", 3.3 * size);
         self.put("tubing.reference_flow_kg_s", 4.65e-3 * size.powi(2));
     }
