@@ -92,7 +92,6 @@ impl Default for Config {
                 null_offset: 0,
                 learning_gain: 0,
                 largest: MAX_COUNTS,
-                pushes_beyond: u32::MAX,
             },
             motion: MotionConfig {
                 on_arrival: false,
@@ -183,11 +182,9 @@ fn has_pressure_sensors(parameters: &Parameters) -> bool {
 
 fn law(parameters: &Parameters, scale: NonZeroU32, largest: i16) -> LawConfig {
     let unsigned = |id| parameters.scalar(id).unsigned_abs();
-    let settings = Settings::of(parameters);
     LawConfig {
         control_loop: Loop::of(parameters.scalar(id::OPEN_LOOP)),
-        pushes_beyond: settings.pushes_beyond(),
-        settings,
+        settings: Settings::of(parameters),
         velocity_gain: unsigned(id::VELOCITY_GAIN) as u16,
         acceleration_gain: unsigned(id::ACCELERATION_GAIN) as u16,
         velocity_dead_band: NonZeroU32::new(unsigned(id::VELOCITY_DEAD_BAND)),

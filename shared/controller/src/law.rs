@@ -48,8 +48,6 @@ pub struct LawConfig {
     pub learning_gain: u16,
     /// The largest command that the drive stage takes, valve counts.
     pub largest: i16,
-    /// Farther than this from its setpoint (counts) the axis is pushed, whatever the command ([`crate::limits`]).
-    pub pushes_beyond: u32,
 }
 
 /// The gain of the law in force on pressures.

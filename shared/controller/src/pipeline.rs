@@ -74,15 +74,29 @@ impl State {
 
     fn watch(&mut self, config: &Config, input: &Sample, motion: &Motion) {
         let holds_or_runs = matches!(self.supervisor.mode(), Mode::Running | Mode::Done);
-        let from_null = if !(holds_or_runs && config.law.control_loop == Loop::Closed) {
-            0
-        } else if self.observation.error.unsigned_abs() > config.law.pushes_beyond {
-            config.limits.stall_detector.full
-        } else {
-            i32::from(self.observation.command).abs_diff(i32::from(config.law.null_offset))
+        let from_null = match &config.law.settings {
+            _ if !(holds_or_runs && config.law.control_loop == Loop::Closed) => 0,
+            // The thesis's law costs no call.
+            Settings::GainProfile(_) => self.command_from_null(config),
+            settings => self.effort_of_any_law(config, settings),
         };
         let evidence = Evidence { motion, input, referenced: self.supervisor.is_referenced(), from_null };
         self.supervisor.watch(&config.limits, &evidence);
+    }
+
+    fn command_from_null(&self, config: &Config) -> u32 {
+        i32::from(self.observation.command).abs_diff(i32::from(config.law.null_offset))
+    }
+
+    /// The effort of a law as a distance of the command from null: that of a valve that is open, where the law pushes anyway.
+    #[cold]
+    #[inline(never)]
+    fn effort_of_any_law(&self, config: &Config, settings: &Settings) -> u32 {
+        if self.observation.error.unsigned_abs() > settings.pushes_beyond() {
+            config.limits.stall_detector.full
+        } else {
+            self.command_from_null(config)
+        }
     }
 
     fn demand(&mut self, config: &Config, motion: &Motion, input: &Sample) -> i32 {
