@@ -103,7 +103,9 @@ pub fn any_rig(seed: u64) -> Hidden {
     let pulse = draw.of(&[0.005, 0.01, 0.01205, 0.02]);
     text.put("encoder.mm_per_count", pulse);
     let dither = if bore < 40.0 { draw.of(&[0.0, 0.05, 0.1]) } else { draw.of(&[0.0, 0.1, 0.2, 0.26]) };
-    text.put("operator.dither_mm", dither);
+    if operator != "stepper" {
+        text.put("operator.dither_mm", dither);
+    }
     let position = stroke * draw.within(0.48, 0.52);
     text.put("test.position_m", position);
     // The way back of a plan, in closed loop: slow, and damped.
