@@ -123,6 +123,8 @@ pub struct Rig {
     pub(crate) set: BTreeSet<&'static str>,
     /// The origins of values, as the file states them.
     pub(crate) origins: BTreeMap<&'static str, Origin>,
+    /// What the controller takes for the values of some keys, where the plant has others ([`Rig::with_plant`]).
+    pub(crate) nominal: BTreeMap<&'static str, Option<Value>>,
 }
 
 impl Rig {

@@ -254,3 +254,37 @@ fn a_rig_that_lacks_what_the_law_needs_is_refused_by_name() {
     let text = small.err().map(|problems| problems.to_string()).unwrap_or_default();
     assert!(text.contains("cascade_dead_length_1"), "{text}");
 }
+
+#[test]
+fn a_plant_that_is_drawn_does_not_tell_the_law_what_it_is() {
+    let known = rig(&[]);
+    let heavy = settings(&["load.mass_kg=11", "supply.pressure_pa=6.5e5"]);
+    for (how, drawn) in [
+        ("by its spread", known.spread(0.2, 7).expect("in range")),
+        ("by its settings", known.with_plant(&heavy).expect("valid")),
+        ("by its numbers", known.with_numbers(&[("load.mass_kg", 11.0)]).expect("valid")),
+        (
+            "twice",
+            known
+                .with_plant(&heavy)
+                .and_then(|rig| rig.with_plant(&["load.mass_kg=12".to_owned()]))
+                .expect("valid"),
+        ),
+        ("with another test", known.with_plant(&heavy).and_then(|rig| rig.with_test(&[])).expect("valid")),
+        (
+            "with a friction that the law has no model of",
+            known.with_plant(&settings(&["load.friction=\"lugre\""])).expect("valid"),
+        ),
+    ] {
+        assert_ne!(
+            drawn.value("load.mass_kg").zip(drawn.value("load.friction")),
+            known.value("load.mass_kg").zip(known.value("load.friction")),
+            "{how}"
+        );
+        assert_eq!(drawn.parameters(), known.parameters(), "{how}");
+    }
+    let told = known.with_settings(&heavy).expect("valid");
+    assert_ne!(told.parameters(), known.parameters(), "a setting of the file is known");
+    let slower = known.with_plant(&settings(&["controller.period_s=0.002"])).expect("valid");
+    assert_ne!(slower.parameters(), known.parameters(), "the controller knows its own settings");
+}

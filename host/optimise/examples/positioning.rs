@@ -38,11 +38,12 @@ struct Law {
     integral_s: Option<f64>,
 }
 
-const LAWS: [Law; 4] = [
+const LAWS: [Law; 5] = [
     Law { name: "gain profile", word: "gain-profile", tuned: false, integral_s: None },
     Law { name: "gain profile, tuned", word: "gain-profile", tuned: true, integral_s: None },
     Law { name: "P-D, tuned", word: "pid", tuned: true, integral_s: None },
     Law { name: "PI-D, tuned", word: "pid", tuned: true, integral_s: Some(0.5) },
+    Law { name: "cascade", word: "cascade", tuned: false, integral_s: None },
 ];
 
 /// The search that `rig new` proposes: within 1 mm, as no law that is tuned here ends within 0.05 mm often enough to be guided by that.
@@ -194,7 +195,13 @@ fn main() -> Result<()> {
             Drive { name, text, settings: &asked.settings, step_mm: usual_mm, found: BTreeMap::new() };
         for place in &asked.laws {
             let law = LAWS.get(*place).context("there is no such law")?;
-            let rig = drive.under(law)?;
+            let rig = match drive.under(law) {
+                Ok(rig) => rig,
+                Err(refused) => {
+                    eprintln!("{name}, {}: {refused:#}", law.name);
+                    continue;
+                }
+            };
             let sines = sine_cells(&rig, &asked, usual_mm)?;
             for &step_mm in &steps_mm {
                 let bounds = bounds(&rig, step_mm)?;

@@ -240,7 +240,7 @@ fn others<C: Choice>(
     let own = reference.word_at(key.path);
     let others = C::WORDS.iter().map(|(word, _)| *word).filter(|word| Some(*word) != own);
     let plan = |model: &'static str| {
-        let rig = reference.with_settings(&[format!("{}={model}", key.path)]).ok()?;
+        let rig = reference.with_plant(&[format!("{}={model}", key.path)]).ok()?;
         Some(Plan { component, model, rig })
     };
     others.filter(|word| C::of_word(word).is_some_and(&may)).filter_map(plan).collect()

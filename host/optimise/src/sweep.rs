@@ -98,12 +98,16 @@ impl Sweep {
         levels
     }
 
-    /// The settings of a point's rig, as `key=value`.
+    /// The settings of a point's rig, as `key=value`: those of the rig, and those that were drawn, of its plant alone.
     #[must_use]
-    pub fn settings_of(&self, point: usize) -> Vec<String> {
+    pub fn settings_of(&self, point: usize) -> [Vec<String>; 2] {
         let levels = self.levels(point);
-        let varied = self.axes.iter().zip(levels).flat_map(|(axis, level)| axis.settings(&self.rig, level));
-        self.settings.iter().cloned().chain(varied).collect()
+        let (drawn, varied): (Vec<_>, Vec<_>) =
+            self.axes.iter().zip(levels).partition(|(axis, _)| axis.drawn);
+        let settings = |axes: Vec<(&Axis, &str)>| -> Vec<String> {
+            axes.into_iter().flat_map(|(axis, level)| axis.settings(&self.rig, level)).collect()
+        };
+        [[self.settings.clone(), settings(varied)].concat(), settings(drawn)]
     }
 
     /// Whether a point is one of many draws, and not a single rig.

@@ -107,7 +107,7 @@ impl SweepResult {
             )));
         }
         let Source { name, text } = sweep.rig_source.clone();
-        Rig::read((name, text), sweep.settings_of(point))
+        Rig::read((name, text), sweep.settings_of(point).concat())
     }
 
     /// The result as `pneudrive sweep` writes it, byte for byte.

@@ -1,11 +1,16 @@
 //! A rig with another test, or with other numbers.
 
+use std::borrow::Cow;
+
 use super::problem::{Problem, Problems};
 use super::table::find_key;
 use crate::component::controller::ControllerKind;
 use crate::key::{Choice, Kind};
 use crate::keys;
 use crate::values::{Rig, Value};
+
+/// The tables of the controller's own settings, and of what it is told.
+const OWN: [&str; 3] = ["controller.", "safety.", "test."];
 
 impl Rig {
     /// This rig with the `[test]` of another.
@@ -43,7 +48,7 @@ impl Rig {
         rig.checked(other.name())
     }
 
-    /// This rig with other numbers under some keys, in the units of their names.
+    /// This rig with other numbers under some keys of its plant, in the units of their names ([`Rig::with_plant`]).
     ///
     /// # Errors
     /// When a number is out of its key's range, or a constraint between keys does not hold.
@@ -63,7 +68,32 @@ impl Rig {
             }
             rig.put(path, Some(Value::Number(number)));
         }
+        rig.keep_nominal_of(self);
         rig.checked(self.name())
+    }
+
+    /// The controller takes this rig for what it took `other` for, but for its own settings.
+    pub(super) fn keep_nominal_of(&mut self, other: &Rig) {
+        let of_plant = |path: &str| OWN.iter().all(|own| !path.starts_with(own));
+        let paths = self.values.keys().chain(other.values.keys()).copied();
+        let differ = paths.filter(|path| of_plant(path) && self.value(path) != other.value(path));
+        let differ: Vec<&'static str> = differ.collect();
+        self.nominal.clone_from(&other.nominal);
+        for path in differ {
+            self.nominal.entry(path).or_insert_with(|| other.value(path).cloned());
+        }
+    }
+
+    /// The rig that the controller takes this one for.
+    pub(super) fn nominal(&self) -> Cow<'_, Rig> {
+        if self.nominal.is_empty() {
+            return Cow::Borrowed(self);
+        }
+        let mut rig = self.clone();
+        for (path, value) in std::mem::take(&mut rig.nominal) {
+            rig.put(path, value);
+        }
+        Cow::Owned(rig)
     }
 
     /// This rig with nothing that goes wrong in its test.

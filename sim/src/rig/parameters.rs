@@ -40,7 +40,7 @@ const OPEN_SENSOR: i32 = 64;
 const NO_MOTION_M: f64 = 0.482e-3;
 
 impl Rig {
-    /// The controller's parameters for this rig.
+    /// The controller's parameters for this rig, by what the controller takes it for.
     #[must_use]
     pub fn parameters(&self) -> Parameters {
         self.try_parameters()
@@ -50,7 +50,7 @@ impl Rig {
     /// The same for a rig that has not been checked, or the id and value that is out of range.
     pub(super) fn try_parameters(&self) -> Result<Parameters, (u16, i32)> {
         let mut parameters = Parameters::default();
-        for (id, value) in self.parameter_values() {
+        for (id, value) in self.nominal().parameter_values() {
             parameters.set(id, value).map_err(|_| (id, value))?;
         }
         Ok(parameters)

@@ -85,14 +85,30 @@ impl Rig {
     /// # Errors
     /// Every problem with its key.
     pub fn with_settings(&self, settings: &[String]) -> Result<Rig, Problems> {
-        let source = self.name().to_owned();
-        let mut reader = Reader::new(&source, "");
+        let mut reader = Reader::new(self.name(), "");
+        let rig = self.changed(&mut reader, settings);
+        rig.checked_by(reader)
+    }
+
+    /// This rig with a plant that differs from what its controller takes it for, by `key=value` settings, each in TOML
+    /// syntax. The parameters of the controller stay, but for what a setting of its own changes.
+    ///
+    /// # Errors
+    /// Every problem with its key.
+    pub fn with_plant(&self, settings: &[String]) -> Result<Rig, Problems> {
+        let mut reader = Reader::new(self.name(), "");
+        let mut rig = self.changed(&mut reader, settings);
+        rig.keep_nominal_of(self);
+        rig.checked_by(reader)
+    }
+
+    fn changed(&self, reader: &mut Reader, settings: &[String]) -> Rig {
         let mut rig = self.clone();
         for setting in settings {
             reader.setting(&mut rig, setting);
         }
         reader.finish(&mut rig);
-        rig.checked_by(reader)
+        rig
     }
 
     /// This rig with another test: the test of the empty file with these `key=value` settings.

@@ -26,8 +26,8 @@ const NOISE_COUNTS: f64 = 1.0;
 
 impl Rig {
     /// The rig with every physical value that is never known exactly drawn evenly from
-    /// +-`fraction` around the file's, and with noise on its sensors. Dimensions, the controller and
-    /// the test stay as they are. The same seed draws the same rig.
+    /// +-`fraction` around the file's, and with noise on its sensors. Dimensions, the test and the
+    /// controller, whatever it knows of the drive, stay as they are. The same seed draws the same rig.
     ///
     /// # Errors
     /// For a fraction outside 0 to 0.5, and when the rig that was drawn is not valid.
@@ -49,6 +49,7 @@ impl Rig {
         rig.keep_coulomb_below_static();
         let noise = &keys::sensors::NOISE_COUNTS;
         rig.put(noise.path, Some(Value::Number(self.get(noise).max(NOISE_COUNTS))));
+        rig.keep_nominal_of(self);
         Ok(rig.checked("the rig that was drawn")?)
     }
 

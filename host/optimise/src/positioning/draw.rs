@@ -106,7 +106,7 @@ impl Draw {
         if self.bristles {
             settings.push(format!("{}=lugre", keys::friction::FRICTION.path));
         }
-        file.with_settings(&settings)
+        file.with_plant(&settings)
     }
 }
 

@@ -5,7 +5,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use pneudrive_records::judged::Spacing;
 use pneudrive_records::words::fault_name;
-use pneudrive_sim::rig::RigFile;
+use pneudrive_sim::rig::{Problems, RigFile};
 use pneudrive_sim::{Rig, Run};
 
 use super::{Metric, Sweep};
@@ -116,11 +116,17 @@ impl Points<'_> {
     #[must_use]
     pub fn run(&self, point: usize) -> Row {
         let run = || {
-            let rig = self.file.with(&self.sweep.settings_of(point));
-            self.measured(point, &rig.map_err(|problems| problems.to_string())?)
+            let rig = self.rig(point).map_err(|problems| problems.to_string())?;
+            self.measured(point, &rig)
         };
         let found = catch_unwind(AssertUnwindSafe(run)).unwrap_or_else(|panic| Err(told(&*panic)));
         found.unwrap_or_else(|failure| Row::failed(self.sweep, point, &failure))
+    }
+
+    /// What is drawn, the controller does not know.
+    fn rig(&self, point: usize) -> Result<Rig, Problems> {
+        let [varied, drawn] = self.sweep.settings_of(point);
+        self.file.with(&varied)?.with_plant(&drawn)
     }
 
     fn measured(&self, point: usize, rig: &Rig) -> Result<Row, String> {

@@ -27,7 +27,7 @@ fn points_are_every_combination_and_every_draw_the_last_key_fastest_and_draws_fa
 fn a_factor_scales_what_the_rig_has_with_its_settings() {
     let text = "[set]\nload.coulomb_extend_n = 20\n[vary]\n\
         friction = { values = [0.5], scale = [\"load.static_extend_n\", \"load.coulomb_extend_n\"] }";
-    let settings = sweep(text).settings_of(0);
+    let settings = sweep(text).settings_of(0).concat();
     assert_eq!(
         settings,
         ["load.coulomb_extend_n=20", "load.static_extend_n=35.0", "load.coulomb_extend_n=10.0"]

@@ -208,12 +208,12 @@ impl Trial {
         variant: &Variant,
     ) -> Result<Rig, Problems> {
         let middle = encoder::middle(&self.rig, course.from as f64);
-        let own = variant.settings(&self.rig).into_iter().chain([
+        let own = [
             format!("test.duration_s={:?}", course.duration_s),
             format!("test.position_m={:?}", middle * self.way.mm_per_count / 1e3),
-        ]);
+        ];
         let settings: Vec<String> = self.settings.iter().chain(gains).cloned().chain(own).collect();
-        with_moves(&self.file, &settings, &course.moves)
+        with_moves(&self.file, &settings, &course.moves)?.with_plant(&variant.settings(&self.rig))
     }
 }
 

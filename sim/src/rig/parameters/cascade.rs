@@ -214,6 +214,7 @@ pub(in crate::rig) fn check(rig: &Rig, findings: &mut Findings) {
     if rig.get(&LAW) != Law::Cascade || rig.get(&LOOP) == Loop::Open {
         return;
     }
+    let rig = &*rig.nominal();
     let by_conductance = format!("valve.model = \"{}\": a known flow", WITH_CONDUCTANCES.join("\" or \""));
     let travel = spool_travel(rig);
     let needs: [(bool, &str); 10] = [
