@@ -12,7 +12,8 @@ mod load;
 mod test;
 mod valve;
 
-use pneudrive_sim::component::controller;
+use pneudrive_sim::component::controller::Law;
+use pneudrive_sim::key::Choice;
 use pneudrive_sim::{Rig, keys};
 
 use crate::question::{AnswerProblem, Answers};
@@ -23,6 +24,9 @@ pub(crate) use cylinder::Cylinder;
 /// Stroke per count of an encoder that nobody has described, mm.
 pub(crate) const RESOLUTION_MM: f64 = 0.01;
 
+/// The question of the control law.
+const LAW: &str = "law";
+
 /// Sample period of a controller that nobody has chosen, s.
 pub(crate) const PERIOD_S: f64 = 1e-3;
 
@@ -31,6 +35,30 @@ pub(crate) const PERIOD_S: f64 = 1e-3;
 /// # Errors
 /// Everything that is wrong with the answers, each at its question.
 pub fn rig_file(name: &str, answers: &Answers) -> Result<String, Vec<AnswerProblem>> {
+    match law_of(answers).map_err(|problem| vec![problem])? {
+        Some(law) => with_law(name, answers, law, "given"),
+        None => with_law(name, answers, Law::Cascade, "a model of the drive, by the figures of this file")
+            .or_else(|_| {
+                let why = "the cascade has no model of this drive; `pneudrive tune` finds the gains";
+                with_law(name, answers, Law::GainProfile, why)
+            }),
+    }
+}
+
+/// The control law that was asked for.
+fn law_of(answers: &Answers) -> Result<Option<Law>, AnswerProblem> {
+    let Some(word) = answers.text(LAW) else { return Ok(None) };
+    let known = Law::of_word(word).filter(|law| [Law::Cascade, Law::GainProfile].contains(law));
+    let refusal = || {
+        let message = format!(
+            "must be \"cascade\" or \"gain-profile\", is \"{word}\"; the others have no gains to begin with"
+        );
+        AnswerProblem::new(LAW, message).or(Law::GainProfile.word())
+    };
+    known.map(Some).ok_or_else(refusal)
+}
+
+fn with_law(name: &str, answers: &Answers, law: Law, why: &str) -> Result<String, Vec<AnswerProblem>> {
     let mut file = RigFile::new(&about(name), name);
     let mut wrong = Vec::new();
     let mut keep = |part: Result<(), AnswerProblem>| wrong.extend(part.err());
@@ -41,17 +69,15 @@ pub fn rig_file(name: &str, answers: &Answers) -> Result<String, Vec<AnswerProbl
             keep(load::write(&mut file, answers, &cylinder));
             keep(holding::check(answers, &cylinder));
             keep(test::write(&mut file, answers, &cylinder));
-            let sonic = valve::sonic_conductance(answers);
-            let written = sonic.and_then(|sonic| {
-                let dead_zone = valve::dead_zone(answers)?;
-                gains::write(&mut file, answers, &cylinder, sonic, dead_zone)
-            });
-            keep(written);
+            if law == Law::GainProfile {
+                keep(gains::write(&mut file, answers, &cylinder));
+            }
         }
         Err(refusal) => keep(Err(refusal)),
     }
     keep(valve::write(&mut file, answers));
     keep(sampling(&mut file, answers));
+    file.word(&keys::controller::LAW, law, why);
     let text = file.to_toml();
     if wrong.is_empty()
         && let Err(problems) = Rig::read(name, &text)
@@ -99,7 +125,6 @@ fn sampling(file: &mut RigFile, answers: &Answers) -> Result<(), AnswerProblem> 
         &keys::controller::DELAY_S,
         &period.map(|s| (0.4 * s * 1e6).round() / 1e6, "two fifths of the period"),
     );
-    file.word(&keys::controller::LAW, controller::Law::GainProfile, "`pneudrive tune` finds its gains");
     Ok(())
 }
 

@@ -67,7 +67,8 @@ pub static SIX_DRIVES: [(&str, Given); 6] = [
     ),
 ];
 
-/// The rig file of one of the drives, as `rig new` writes it; None for another name.
+/// The rig file of one of the drives with the gain profile, as `rig new` writes it; None for another name. The file has gains for
+/// that law; another one is a setting.
 ///
 /// # Panics
 /// When the answers make no rig: a slip in the list.
@@ -75,7 +76,7 @@ pub static SIX_DRIVES: [(&str, Given); 6] = [
 pub fn rig_file_of(name: &str) -> Option<String> {
     let (name, given) = SIX_DRIVES.iter().find(|(drive, _)| *drive == name)?;
     let mut answers = Answers::default();
-    let common = [("resolution", "10 um"), ("period", "1 ms")];
+    let common = [("resolution", "10 um"), ("period", "1 ms"), ("law", "gain-profile")];
     for (question, text) in given.iter().chain(&common) {
         let question = question_of(question).unwrap_or_else(|| panic!("no question {question}"));
         answers.answer(question, text);

@@ -21,8 +21,8 @@ pub struct NewRig {
     /// Overwrite an existing file
     #[arg(long)]
     pub overwrite: bool,
-    /// Then find gains over stroke, load and friction, and write tuned.toml and tune.html to this folder; `pneudrive tune`
-    /// has more options
+    /// Then find the gains of the gain profile over stroke, load and friction, and write tuned.toml and tune.html to this
+    /// folder; `pneudrive tune` has more options
     #[arg(long, value_name = "DIR")]
     pub tune: Option<PathBuf>,
     /// Number of generations of that search; 0: only judge the gains to begin with

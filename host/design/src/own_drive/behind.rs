@@ -27,6 +27,7 @@ const BEHIND: &[(&str, &[&str])] = &[
     ("supply.", &["supply"]),
     ("sensors.", &["supply"]),
     ("encoder.", &["resolution"]),
+    (keys::controller::LAW.key.path, &["law"]),
     ("controller.", &["period"]),
     ("test.pressure", &["supply"]),
 ];

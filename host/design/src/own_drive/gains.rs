@@ -17,8 +17,8 @@
 
 use pneudrive_sim::keys;
 
-use super::Cylinder;
 use super::air::supply;
+use super::{Cylinder, valve};
 use crate::question::{AnswerProblem, Answers};
 use crate::rig_file::RigFile;
 
@@ -112,15 +112,10 @@ fn scale_for(largest: f64) -> f64 {
     powers.find(|scale| scale * largest <= MAX_GAIN).unwrap_or(16.0)
 }
 
-/// Writes the gains; `dead_zone` is u_0.
-pub(super) fn write(
-    file: &mut RigFile,
-    answers: &Answers,
-    cylinder: &Cylinder,
-    sonic_conductance: f64,
-    dead_zone: f64,
-) -> Result<(), AnswerProblem> {
-    let (feedback, sampling) = (Feedback::of(answers, cylinder, sonic_conductance)?, Sampling::of(answers)?);
+/// Writes the gains of the gain profile.
+pub(super) fn write(file: &mut RigFile, answers: &Answers, cylinder: &Cylinder) -> Result<(), AnswerProblem> {
+    let feedback = Feedback::of(answers, cylinder, valve::sonic_conductance(answers)?)?;
+    let (sampling, dead_zone) = (Sampling::of(answers)?, valve::dead_zone(answers)?);
     let [kp, kv, ka] = sampling.commands(feedback.gains);
     let scale = scale_for(kv.max(ka).max(kp + sampling.across(dead_zone, 0.0)));
     let gain = |gain: f64| (scale * gain).round().clamp(0.0, MAX_GAIN);

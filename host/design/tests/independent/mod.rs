@@ -20,12 +20,13 @@ pub struct Apart {
     pub pressure: f64,
 }
 
-/// The drive of a seed with its valve on the cylinder, and the run of its test, of `duration` s; None where it is refused or a
+/// The drive of a seed with its valve on the cylinder and the gain profile, the law of docs/EQUATIONS.md, and the run of its test, of `duration` s; None where it is refused or a
 /// fault ends it.
 pub fn drive(seed: u64, duration: f64) -> Option<(Rig, Run)> {
     let drawn = drawn::answers(seed);
     let mut answers = Answers::default();
-    for (name, text) in drawn.given().filter(|(name, _)| !name.starts_with("tube")) {
+    let law = [("law", "gain-profile")];
+    for (name, text) in drawn.given().filter(|(name, _)| !name.starts_with("tube")).chain(law) {
         answers.answer(pneudrive_design::question::question_of(name)?, text);
     }
     let text = rig_file("drawn", &answers).ok()?;

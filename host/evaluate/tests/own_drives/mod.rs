@@ -97,6 +97,7 @@ fn drawn(seed: u64, kind: Kind, steps: Steps) -> Option<Rig> {
 fn answers(draw: &mut Draw) -> Answers {
     let friction = draw.by_ratio(5.0, 150.0);
     let mut given = vec![
+        ("law", "gain-profile".to_owned()),
         ("cylinder", draw.one_of(&CYLINDERS).to_owned()),
         ("stroke", format!("{:.0} mm", draw.by_ratio(80.0, 600.0))),
         ("mass", format!("{:.2} kg", draw.by_ratio(1.0, 40.0))),

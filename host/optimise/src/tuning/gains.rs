@@ -17,7 +17,7 @@ use anyhow::{Result, bail};
 use pneudrive_sim::Rig;
 use pneudrive_sim::component::encoder::mm_per_count;
 use pneudrive_sim::component::{controller, operator};
-use pneudrive_sim::key::Typed;
+use pneudrive_sim::key::{Choice, Typed};
 use pneudrive_sim::keys;
 
 use super::design_variable::{self, DesignVariable};
@@ -77,8 +77,12 @@ impl Space {
             );
         }
         let law = rig.get(&keys::controller::LAW);
-        if law == controller::Law::OnOff {
-            bail!("the on-off law of {} has no gain to tune; choose controller.law=gain-profile", rig.name());
+        if matches!(law, controller::Law::OnOff | controller::Law::Cascade) {
+            bail!(
+                "the law \"{}\" of {} has no gain to tune; choose controller.law=gain-profile",
+                law.word(),
+                rig.name()
+            );
         }
         let has_profile = law == controller::Law::GainProfile;
         let has_dither = is_dithered(rig) && rig.get(&keys::dither::DITHER_ADJUSTABLE);

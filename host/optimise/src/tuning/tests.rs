@@ -98,6 +98,8 @@ fn what_cannot_be_tuned_is_refused_by_what_to_change() {
         tune(&task(rig, settings), |_| {}, CancelToken::NEVER).expect_err("refused").to_string()
     };
     assert!(message("servo-b", &["controller.law=on-off"]).contains("choose controller.law=gain-profile"));
+    let positions = ["controller.law=cascade", "operator.model=solenoid-empirical", "operator.dither_mm=0"];
+    assert!(message("servo-b", &positions).contains("cascade"), "it says why");
     assert!(
         message("servo-b", &["controller.loop=open", "test.moves=[[0.0, 1]]"])
             .contains("controller.loop=closed")

@@ -7,10 +7,11 @@ use anyhow::{Context, Result, bail};
 use clap::Parser;
 use pneudrive_design::own_drive::{remarks, rig_file};
 use pneudrive_design::parts::{self, Family, Figure, Part};
-use pneudrive_design::question::{AnswerProblem, Answers, QUESTIONS, Question};
+use pneudrive_design::question::{AnswerProblem, Answers, QUESTIONS, Question, question_of};
 use pneudrive_design::suggestion::suggestion;
 use pneudrive_design::values;
 use pneudrive_records::whole_file;
+use pneudrive_sim::component::controller::Law;
 use pneudrive_sim::{Rig, keys};
 use serde_json::{Map, Value, json};
 
@@ -29,12 +30,18 @@ const IDLE: &[(&str, &[&str])] = &[
     ("tube", &["tube-bore"]),
 ];
 
+/// The question of the control law. Only the gain profile is tuned.
+const LAW: &str = "law";
+
 pub(super) fn execute(arguments: &NewRig) -> Result<()> {
     let file = &arguments.file;
     if file.exists() && !arguments.overwrite {
         bail!("{} already exists: choose another file, or add --overwrite", file.display());
     }
     let mut answers = arguments.answers.0.clone();
+    if arguments.tune.is_some() && answers.text(LAW).is_none() {
+        answers.answer(question_of(LAW).expect("a question"), Law::GainProfile.word());
+    }
     if !arguments.no_questions && stdin().is_terminal() {
         ask(&mut answers, &mut stdin().lock())?;
     }
@@ -52,14 +59,14 @@ pub(super) fn execute(arguments: &NewRig) -> Result<()> {
         json!({ "file": file, "values": values })
     });
     say!("{}: a rig of {} values", file.display(), counts.join(", "));
-    match &arguments.tune {
-        Some(folder) => tuned(file, &rig, folder, arguments.generations),
-        None => {
-            say!("next: pneudrive simulate {} --out sim", file.display());
-            say!("      pneudrive {}", tuning(file, &rig, Path::new("tuned"), GENERATIONS).join(" "));
-            Ok(())
-        }
+    if let Some(folder) = &arguments.tune {
+        return tuned(file, &rig, folder, arguments.generations);
     }
+    say!("next: pneudrive simulate {} --out sim", file.display());
+    if rig.get(&keys::controller::LAW) == Law::GainProfile {
+        say!("      pneudrive {}", tuning(file, &rig, Path::new("tuned"), GENERATIONS).join(" "));
+    }
+    Ok(())
 }
 
 /// The problem of each answer, and a command with other answers that works.
