@@ -29,7 +29,7 @@ const ABOUT: &str = "\
 ";
 
 /// What the hashes of TARGET files are of.
-const RECORDED: [&str; 2] = ["servo-b-tuned", "lut-stepper"];
+const RECORDED: [&str; 3] = ["servo-b-tuned", "lut-stepper", "press"];
 
 /// A result's hash, and the words of the CHANGELOG that account for it.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -105,7 +105,7 @@ pub struct Demo {
     #[arg(long, value_name = "DIR", default_value = ".")]
     pub out: PathBuf,
     /// The rig
-    #[arg(long, default_value = "servo-b-tuned")]
+    #[arg(long, default_value = "press")]
     pub rig: String,
     /// Greatest deviation of the virtual rig's true parameters from the rig file's
     #[arg(long, value_name = "PERCENT", default_value = "10%", value_parser = percent)]
@@ -246,7 +246,7 @@ fn column_list() -> String {
 #[derive(Debug, Args)]
 pub struct Studio {
     /// The rig to begin with: a built-in rig (`pneudrive rig list`) or a rig file
-    #[arg(value_name = "RIG", default_value = "servo-b-tuned")]
+    #[arg(value_name = "RIG", default_value = "press")]
     pub rig: String,
     /// Port of a rig to commission: a serial device, pty:PATH or tcp://HOST:PORT
     #[arg(long, value_name = "P")]

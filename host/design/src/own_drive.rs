@@ -59,7 +59,7 @@ fn law_of(answers: &Answers) -> Result<Option<Law>, AnswerProblem> {
 }
 
 fn with_law(name: &str, answers: &Answers, law: Law, why: &str) -> Result<String, Vec<AnswerProblem>> {
-    let mut file = RigFile::new(&about(name), name);
+    let mut file = RigFile::new(&about(name, answers), name);
     let mut wrong = Vec::new();
     let mut keep = |part: Result<(), AnswerProblem>| wrong.extend(part.err());
     keep(air::write(&mut file, answers));
@@ -100,9 +100,10 @@ pub fn remarks(answers: &Answers) -> Vec<String> {
     valve::remark(answers).into_iter().collect()
 }
 
-fn about(name: &str) -> Vec<String> {
+fn about(name: &str, answers: &Answers) -> Vec<String> {
+    let given: Vec<String> = answers.given().map(|(question, text)| format!("{question} {text}")).collect();
     [
-        format!("{name}, by `pneudrive rig new`."),
+        format!("{name}, by `pneudrive rig new`: {}.", given.join(", ")),
         "given: by a data sheet or by you. computed, typical: `from` says how. unknown: somewhere from low to high.".to_owned(),
         "`pneudrive rig show FILE --resolved` shows every value, `pneudrive rig explain KEY` what a key means,".to_owned(),
         "`pneudrive identify FILE --plan PORT` runs the tests that find what is unknown, and fits it.".to_owned(),

@@ -15,6 +15,7 @@ pub const BUILTIN: &[(&str, &str)] = &[
     ("lut-solenoid", include_str!("../../rigs/lut-solenoid.toml")),
     ("burrows", include_str!("../../rigs/burrows.toml")),
     ("bang-bang", include_str!("../../rigs/bang-bang.toml")),
+    ("press", include_str!("../../rigs/press.toml")),
 ];
 
 /// The file of a built-in rig.

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use pneudrive_sim::rig::{Source, all_keys};
+use pneudrive_sim::rig::{Source, all_keys, builtin};
 use pneudrive_sim::{Accuracy, Rig, keys, run};
 
 use super::*;
@@ -85,6 +85,12 @@ fn a_law_without_gains_to_begin_with_is_refused_by_its_answer() {
     let refused = refusal(&tubes);
     assert!(refused.starts_with("--law: \"cascade\" makes no rig, as controller.law"), "{refused}");
     assert!(refused.contains("the valve at the cylinder"), "{refused}");
+}
+
+#[test]
+fn the_built_in_press_is_what_four_answers_make() {
+    let text = rig_file("press", &Answers::of(OWN)).expect("a rig");
+    assert_eq!(builtin("press"), Some(&*text), "sim/rigs/press.toml is that file");
 }
 
 /// Drives of the catalogue whose first step is simulated.

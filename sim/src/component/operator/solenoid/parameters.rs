@@ -2,7 +2,7 @@
 
 use crate::component::dither::Dither;
 use crate::component::friction::DryFriction;
-use crate::component::operator::{amplifier, hysteresis, within_range};
+use crate::component::operator::{self, OperatorKind, amplifier, hysteresis, within_range};
 use crate::component::stop::Stops;
 use crate::component::valve::flow_force::FlowForce;
 use crate::component::valve::spool_travel;
@@ -54,10 +54,22 @@ impl SolenoidParameters {
     }
 }
 
-/// The constraints on the spool's friction.
+/// The constraints on the spool's friction, and on its stops: a coil that presses the spool through them has no valve.
 pub(crate) fn check(rig: &Rig, findings: &mut Findings) {
     let why = "a body that slips must not be held more than one that sticks";
     findings.not_above(rig, &keys::COULOMB_FRICTION_N, &keys::STATIC_FRICTION_N, why);
+    if rig.get(&operator::keys::MODEL) != OperatorKind::Solenoid {
+        return;
+    }
+    let force = rig.get(&keys::FORCE_GAIN_N_PER_MM) * rig.get(&amplifier::keys::SATURATION_MM);
+    let [into_stop_mm, travel_mm] =
+        [force / rig.get(&keys::STOP_STIFFNESS_N_PER_M), spool_travel(rig)].map(|metres| 1e3 * metres);
+    if into_stop_mm > travel_mm {
+        let message = format!(
+            "the coil presses the spool {into_stop_mm:.3} mm into its stop, more than its travel of {travel_mm} mm: give a stiffer stop, or a smaller operator.force_gain_n_per_mm"
+        );
+        findings.note(&keys::STOP_STIFFNESS_N_PER_M, message);
+    }
 }
 
 /// The parameters of a solenoid, SI.
