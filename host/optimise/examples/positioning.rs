@@ -176,9 +176,13 @@ fn bounds(rig: &Rig, step_mm: f64) -> String {
 
 /// The largest errors along the sines, mm: the median of the draws, and the worst.
 fn sine_cells(rig: &Rig, asked: &Asked, step_mm: f64) -> Result<String> {
-    let cell = |hz: &f64| match asked.sines {
-        true => Ok(sine(rig, &asked.plan, step_mm, *hz)?.to_string()),
-        false => Ok(String::new()),
+    let cell = |hz: &f64| {
+        if !asked.sines {
+            return Ok(String::new());
+        }
+        let score = sine(rig, &asked.plan, step_mm, *hz)?;
+        score.failed.iter().for_each(|why| eprintln!("{}, {hz} Hz: {why}", rig.name()));
+        Ok(score.to_string())
     };
     Ok(SINES.iter().map(cell).collect::<Result<Vec<_>>>()?.join(" | "))
 }
@@ -186,7 +190,7 @@ fn sine_cells(rig: &Rig, asked: &Asked, step_mm: f64) -> Result<String> {
 fn main() -> Result<()> {
     let asked = Asked::read()?;
     println!(
-        "| drive | law | step, mm | | of {} within 1 / 0.2 / 0.05 mm | 95 % interval, % | median time, s | largest overshoot, mm | limit cycle, not decidable, still moves, failed | converged | bang-bang extending, retracting, ms | sine 0.5 Hz, mm | 1 Hz | 2 Hz |",
+        "| drive | law | step, mm | | of {} within 1 / 0.2 / 0.05 mm | 95 % interval, % | median time, s | largest overshoot, mm (draws within 0.1) | limit cycle, not decidable, still moves, failed | converged | bang-bang extending, retracting, ms | sine 0.5 Hz, mm: median (worst), draws within 0.6 | 1 Hz | 2 Hz |",
         asked.plan.draws
     );
     println!("|---|---|---|---|---|---|---|---|---|---|---|---|---|---|");

@@ -26,8 +26,6 @@ pub struct StepScore {
     pub without_overshoot: Proportion,
     /// How many end in a limit cycle.
     pub limit_cycles: Proportion,
-    /// The largest swing of one, mm.
-    pub swing_mm: f64,
     /// In how many of them it cannot be decided whether they do.
     pub undecided: usize,
     /// How many still move in the last second.
@@ -46,14 +44,12 @@ impl StepScore {
         let share = |met: usize| Proportion { met, of: all.len() };
         let count = |holds: &dyn Fn(&Arrival) -> bool| steps.iter().filter(|step| holds(step)).count();
         let times = |band: usize| steps.iter().filter_map(|step| step.within_s[band]).collect::<Vec<f64>>();
-        let swings = steps.iter().filter(|step| cycles(step)).filter_map(|step| step.limit_cycle.swing_mm());
         StepScore {
             within: [0, 1, 2].map(|band| share(times(band).len())),
             median_s: [0, 1, 2].map(|band| median(times(band))),
             beyond_mm: steps.iter().map(|step| step.beyond_mm).fold(0.0, f64::max),
             without_overshoot: share(count(&|step| step.beyond_mm <= OVERSHOOT_MM)),
             limit_cycles: share(count(&cycles)),
-            swing_mm: swings.fold(0.0, f64::max),
             undecided: count(&|step| matches!(step.limit_cycle, LimitCycle::Undecided(_))),
             moving: count(&Arrival::moves),
             converged: share(all.iter().filter(|run| matches!(run, Ok((_, true)))).count()),
@@ -112,8 +108,9 @@ fn median(mut values: Vec<f64>) -> Option<f64> {
     Some(f64::midpoint(*low, *high))
 }
 
-/// The cells of a step in a table: shares, their 95 % intervals in percent, median times, largest overshoot; then how many end in a
-/// limit cycle, cannot be decided, still move, did not come to their end; and how many have converged.
+/// The cells of a step in a table: shares, their 95 % intervals in percent, median times, largest overshoot and how many have no more
+/// than [`OVERSHOOT_MM`]; then how many end in a limit cycle, cannot be decided, still move, did not come to their end; and how many
+/// have converged.
 impl fmt::Display for StepScore {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let join = |texts: [String; BANDS_MM.len()]| texts.join(" / ");
@@ -124,17 +121,21 @@ impl fmt::Display for StepScore {
         let shares = join(self.within.each_ref().map(|share| share.met.to_string()));
         let intervals = join(self.within.each_ref().map(ends));
         let times = join(self.median_s.map(|time| time.map_or("-".to_owned(), |s| format!("{s:.3}"))));
-        write!(f, "{shares} | {intervals} | {times} | {:.3} | ", self.beyond_mm)?;
+        write!(
+            f,
+            "{shares} | {intervals} | {times} | {:.3} ({}) | ",
+            self.beyond_mm, self.without_overshoot.met
+        )?;
         write!(f, "{}, {}, {}, ", self.limit_cycles.met, self.undecided, self.moving)?;
         write!(f, "{} | {}", self.failed.len(), self.converged.met)
     }
 }
 
-/// The errors of a sine for a cell of a table: median, and the largest.
+/// The errors of a sine for a cell of a table: median, the largest, and how many are followed within [`FOLLOWED_MM`].
 impl fmt::Display for SineScore {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self.largest_mm {
-            Some([middle, worst]) => write!(f, "{middle:.2} ({worst:.2})"),
+            Some([middle, worst]) => write!(f, "{middle:.2} ({worst:.2}), {}", self.followed.met),
             None => f.write_str("-"),
         }
     }

@@ -17,7 +17,7 @@ use anyhow::{Result, bail};
 use pneudrive_sim::Rig;
 use pneudrive_sim::component::encoder::mm_per_count;
 use pneudrive_sim::component::{controller, operator};
-use pneudrive_sim::key::{Choice, Typed};
+use pneudrive_sim::key::Typed;
 use pneudrive_sim::keys;
 
 use super::design_variable::{self, DesignVariable};
