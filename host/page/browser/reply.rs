@@ -8,7 +8,7 @@ use serde::Deserialize;
 use serde_json::{Value, json};
 
 /// The rig that a page begins with.
-const FIRST: &str = "servo-b-tuned";
+const FIRST: &str = "press";
 
 /// A request of the page.
 #[derive(Debug, Deserialize)]
