@@ -87,6 +87,9 @@ fn two_programs_that_run_tests_at_the_same_time_run_the_test_of_one_or_of_none()
     assert_eq!((figures.asked_for_by_nobody, figures.wrong_successes), (0, 0), "{figures:?}");
 }
 
+/// Bytes in which the rig takes an import and answers it.
+const NEAR_THE_END: usize = 64;
+
 #[test]
 fn an_import_that_is_cut_anywhere_leaves_the_old_configuration_or_the_new_one() {
     let (old, new) = (Parameters::default(), Rig::builtin("servo-a-tuned").expect("built in").parameters());
@@ -99,10 +102,12 @@ fn an_import_that_is_cut_anywhere_leaves_the_old_configuration_or_the_new_one() 
         rig.connect().expect("an answer").import_parameters(&new).expect("a good line");
         carried(&rig)
     };
-    for _ in 0..imports {
+    for number in 0..imports {
         let rig = SimulatedRig::with_record(&[]);
         let mut client = rig.connect().expect("an answer");
-        rig.change(|simulation| simulation.breaks_in(1 + random.below(whole)));
+        // Every other one near its end, where it is taken.
+        let at = if number % 2 == 0 { 1 + random.below(whole) } else { whole - random.below(NEAR_THE_END) };
+        rig.change(|simulation| simulation.breaks_in(at));
         let result = client.import_parameters(&new);
         drop(client);
         rig.change(|simulation| simulation.breaks_in(usize::MAX / 2));
