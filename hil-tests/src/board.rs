@@ -82,7 +82,7 @@ impl BoardBench {
 
 /// A rig by its built-in name or file, its recorder at every sample: without that a record is no proof.
 fn read_rig(name: &str) -> Result<Rig> {
-    let text = match pneudrive_sim::rig::builtin(name) {
+    let text = match pneudrive_sim::rigfile::builtin(name) {
         Some(text) => text.to_owned(),
         None => std::fs::read_to_string(name).with_context(|| format!("PNEUDRIVE_BOARD_RIG {name}"))?,
     };

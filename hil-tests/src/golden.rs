@@ -10,7 +10,7 @@ use std::fmt::Write;
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use crc::{CRC_64_XZ, Crc};
 use pneudrive_records::target::TargetFile;
-use pneudrive_sim::rig::BUILTIN;
+use pneudrive_sim::rigfile::BUILTIN;
 use pneudrive_sim::trace::to_csv;
 use pneudrive_sim::{Accuracy, Rig, run};
 use toml_edit::{DocumentMut, Item};

@@ -6,7 +6,7 @@ use pneudrive_identify::report;
 use pneudrive_optimise::sweep::journal;
 use pneudrive_protocol::VERSION;
 use pneudrive_records::{run_folder, stream_file, target};
-use pneudrive_sim::rig::BUILTIN;
+use pneudrive_sim::rigfile::BUILTIN;
 
 /// The version, and a line for each thing that differs between two programs.
 #[must_use]

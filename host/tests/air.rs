@@ -7,7 +7,7 @@ use pneudrive_evaluate::transient::{POSITION, PRESSURES, Transient};
 use pneudrive_records::run_folder::StoredRun;
 use pneudrive_sim::component::sensors::Sensors;
 use pneudrive_sim::keys;
-use pneudrive_sim::rig::builtin;
+use pneudrive_sim::rigfile::builtin;
 use pneudrive_sim::{Accuracy, Rig, Run, run};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};

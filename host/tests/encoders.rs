@@ -8,7 +8,7 @@ use pneudrive_sim::Rig;
 
 /// The tuned drive B with another encoder.
 fn rig_text(encoder: &str, moves: &str) -> String {
-    let text = pneudrive_sim::rig::builtin("servo-b-tuned").expect("a built-in rig");
+    let text = pneudrive_sim::rigfile::builtin("servo-b-tuned").expect("a built-in rig");
     let (before, after) = text.split_once("mm_per_count = 0.01205").expect("its encoder");
     format!("{before}{encoder} {after}").replace("[[0.0, 8192], [0.3, 16384], [1.72, 8192]]", moves)
 }

@@ -144,7 +144,7 @@ fn figures_of_rigs() {
     let folder = folder();
     let at = folder.path();
     let rigs = result(at, "rig list", "");
-    assert_eq!(rigs["rigs"].as_array().map(Vec::len), Some(pneudrive_sim::rig::BUILTIN.len()));
+    assert_eq!(rigs["rigs"].as_array().map(Vec::len), Some(pneudrive_sim::rigfile::BUILTIN.len()));
     let shown = result(at, "rig show", "servo-b --set load.mass_kg=2");
     assert_eq!(shown["keys"]["load.mass_kg"]["value"], 2.0);
     let differences = result(at, "rig diff", "servo-b servo-b-tuned");

@@ -122,7 +122,7 @@ fn assert_intervals_hold(json: &serde_json::Value, real: &Rig) {
 #[test]
 fn a_virtual_rig_without_noise_is_a_fit_whose_intervals_hold_what_its_file_says() {
     let folder = folder();
-    let file = pneudrive_sim::rig::builtin("servo-b-tuned").expect("built in");
+    let file = pneudrive_sim::rigfile::builtin("servo-b-tuned").expect("built in");
     let (printed, json) = identified(folder.path(), file, "");
     assert!(printed.ends_with("= 0") && printed.contains("less noise than a count"), "{printed}");
     assert_eq!(json["fits"], true);

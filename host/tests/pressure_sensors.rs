@@ -11,7 +11,7 @@ use serde_json::Value;
 
 /// A built-in rig without its pressure sensors.
 fn text_of(name: &str) -> String {
-    let text = pneudrive_sim::rig::builtin(name).expect("a built-in rig");
+    let text = pneudrive_sim::rigfile::builtin(name).expect("a built-in rig");
     text.replacen("[sensors]", "[sensors]\npressure = false\n#", 1)
 }
 

@@ -9,7 +9,7 @@ use clap::CommandFactory;
 use pneudrive::cli::Cli;
 use pneudrive::command::whole_command;
 use pneudrive_protocol::VERSION;
-use pneudrive_sim::rig::BUILTIN;
+use pneudrive_sim::rigfile::BUILTIN;
 
 use crate::program::{folder, ok, transcript};
 

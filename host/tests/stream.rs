@@ -22,7 +22,7 @@ fn started(rig: &SimulatedRig, every: u16) -> Client {
 /// A run with these settings that ends with a sample of its own.
 fn begun(rig: &SimulatedRig, every: u16, settings: &[&str], last_sample: impl FnOnce(&Rig) -> u32) -> Client {
     let settings: Vec<String> = settings.iter().map(|&setting| setting.to_owned()).collect();
-    let text = pneudrive_sim::rig::builtin("servo-b").expect("a built-in rig");
+    let text = pneudrive_sim::rigfile::builtin("servo-b").expect("a built-in rig");
     let test = Rig::read_with("servo-b", text, &settings).expect("a test");
     rig.change(|simulation| simulation.take_samples());
     let mut client = rig.connect().expect("an answer");

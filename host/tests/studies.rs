@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
 use pneudrive_page::study::{Audience, Study};
-use pneudrive_sim::rig::builtin;
+use pneudrive_sim::rigfile::builtin;
 use serde_json::{Value, json};
 
 use crate::program::{STROKES, folder, recorded_with};

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use pneudrive_controller::Fault;
 use pneudrive_link::client::Client;
 use pneudrive_protocol::Mode;
-use pneudrive_sim::rig::builtin;
+use pneudrive_sim::rigfile::builtin;
 use serde_json::{Value, json};
 
 use crate::program::{folder, transcript, unhurried_rig};

@@ -15,7 +15,7 @@ use pneudrive_link::client::Client;
 use pneudrive_protocol::{MAX_FRAME, Mode, Request, RequestBody, encode};
 use pneudrive_records::record::Record;
 use pneudrive_sim::Rig;
-use pneudrive_sim::rig::builtin;
+use pneudrive_sim::rigfile::builtin;
 
 use crate::program::{folder, ok, unhurried_rig, virtual_rig};
 use crate::simulated_link::{Random, SimulatedRig, cases};

@@ -11,7 +11,7 @@ use pneudrive_sim::component::tubing::Tube;
 use pneudrive_sim::component::valve::flow_law::FlowLaw;
 use pneudrive_sim::component::valve::{Opening, Valve};
 use pneudrive_sim::network::{Laws, Network, PortFlow};
-use pneudrive_sim::rig::BUILTIN;
+use pneudrive_sim::rigfile::BUILTIN;
 use pneudrive_sim::{Accuracy, Plant, Rig, run};
 
 /// The valve of servo-drive B.

@@ -1,7 +1,7 @@
 //! A hash over every bit of the run of each built-in rig: rows, readings and commands. The same on every processor, as
 //! `cargo xtask processors` shows.
 
-use pneudrive_sim::rig::BUILTIN;
+use pneudrive_sim::rigfile::BUILTIN;
 use pneudrive_sim::{Accuracy, Rig, run};
 
 fn main() {

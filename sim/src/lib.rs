@@ -6,7 +6,8 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | [`rig`] | rig files: the table of keys, reading, checking, explaining, the built-in rigs |
+//! | [`rig`] | a rig: the table of its keys, checking, explaining, spreads |
+//! | [`rigfile`] | rig files in TOML: reading, units, the built-in rigs |
 //! | [`component`] | the physical parts, one file each: equations on top, then keys, checks and construction |
 //! | [`network`] | the flow network of valve, tubes and chambers |
 //! | `number` | one number, or two at once |
@@ -36,6 +37,7 @@ mod number;
 pub mod plant;
 mod random;
 pub mod rig;
+pub mod rigfile;
 pub mod run;
 pub mod schedule;
 mod start;

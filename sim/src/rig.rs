@@ -1,38 +1,30 @@
-//! Rig files: one drive and one test, in TOML.
+//! A rig: the list of its keys, how they are explained, the values that follow from others, and what must hold between
+//! them.
 //!
-//! The components list their keys. [`Rig::read`] reads a file by these lists and reports every problem with file,
-//! line and key. A [`Rig`] that exists is valid: every value is in its range, there is no division by zero, nothing
-//! unphysical, and nothing that is not built. It returns values in the unit of their key.
+//! The components list their keys. A [`Rig`] that exists is valid: every value is in its range, there is no division by
+//! zero, nothing unphysical, and nothing that is not built. It returns values in the unit of their key.
+//! [`crate::rigfile`] reads one from a file.
 
-mod builtin;
 mod change;
 mod check;
-mod events;
 mod explain;
 mod names;
-mod origin;
 mod parameters;
 mod problem;
-mod quantity;
-mod read;
-mod reader;
 mod spread;
+mod suit;
 mod table;
 pub mod thesis;
-mod toml_file;
 mod used;
-mod value;
 
-pub use builtin::{BUILTIN, builtin};
 pub use explain::{explain, preset_in_words, range_in_words};
+pub(crate) use names::{did_you_mean, key_of_stem, unknown_key};
 pub use names::{key_of, nearest};
 pub use parameters::OF_SEVERAL;
 pub use problem::{Problem, Problems};
-pub use quantity::{Reading, read as read_quantity};
-pub use read::{RigFile, value_of_setting};
 pub use spread::SpreadError;
 pub use table::{all_keys, chooser, find_key};
-pub use toml_file::TomlFile;
+pub(crate) use table::{preset_value, presets};
 
 pub use crate::component::valve::MAX_DISCHARGE;
 pub use crate::key::{Key, Kind, Preset, unit};
@@ -41,5 +33,3 @@ pub use crate::values::{Fields, Origin, Rig, Source, Value};
 
 #[cfg(test)]
 mod tests;
-#[cfg(test)]
-mod units_tests;

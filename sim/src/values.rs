@@ -1,10 +1,12 @@
-//! The values of a rig: one drive and one test.
-//!
-//! [`crate::rig`] makes a [`Rig`], and the components read it. A rig that exists is valid.
+//! The values of a rig: their types, where each comes from, and the [`Rig`] that holds them.
 
-use std::collections::{BTreeMap, BTreeSet};
+mod findings;
+mod rig;
+mod time;
 
-use crate::key::{Key, Typed};
+pub use findings::Findings;
+pub use rig::Rig;
+pub(crate) use time::{seconds, whole_microseconds};
 
 /// The fields of an event of [`crate::component::faults`], with their values.
 pub type Fields = Vec<(&'static str, Value)>;
@@ -115,125 +117,7 @@ impl Origin {
     }
 }
 
-/// A valid rig: a value for every key that has one.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Rig {
-    pub(crate) values: BTreeMap<&'static str, Value>,
-    /// Keys that the file or the command line has set.
-    pub(crate) set: BTreeSet<&'static str>,
-    /// The origins of values, as the file states them.
-    pub(crate) origins: BTreeMap<&'static str, Origin>,
-    /// What the controller takes for the values of some keys, where the plant has others ([`Rig::with_plant`]).
-    pub(crate) nominal: BTreeMap<&'static str, Option<Value>>,
-}
-
-impl Rig {
-    /// The value of a key, in the unit of its name.
-    ///
-    /// # Panics
-    /// When the rig has no value of the key's type: a slip in the list of keys, not in a file.
-    #[must_use]
-    pub fn get<T: FromValue>(&self, key: &Typed<T>) -> T {
-        T::from_value(self.values.get(key.path)).unwrap_or_else(|| panic!("{} has no such value", key.path))
-    }
-
-    /// The value of the key with a path that is known at run time only, if it has one.
-    #[must_use]
-    pub fn value(&self, path: &str) -> Option<&Value> {
-        self.values.get(path)
-    }
-
-    /// The same, if it is a number.
-    #[must_use]
-    pub fn number_at(&self, path: &str) -> Option<f64> {
-        f64::from_value(self.value(path))
-    }
-
-    /// The same, if it is a word.
-    #[must_use]
-    pub fn word_at(&self, path: &str) -> Option<&str> {
-        match self.value(path) {
-            Some(Value::Word(word)) => Some(word),
-            _ => None,
-        }
-    }
-
-    /// The same, if it is a switch.
-    #[must_use]
-    pub fn switch_at(&self, path: &str) -> Option<bool> {
-        bool::from_value(self.value(path))
-    }
-
-    /// Whether the file or the command line has set a key.
-    #[must_use]
-    pub fn is_set(&self, key: &Key) -> bool {
-        self.set.contains(key.path)
-    }
-
-    /// Where the value of a key comes from.
-    #[must_use]
-    pub fn origin(&self, key: &Key) -> Origin {
-        match self.origins.get(key.path) {
-            Some(origin) => origin.clone(),
-            None if self.is_set(key) => Origin::bare(Source::Given),
-            None => Origin::bare(Source::Default),
-        }
-    }
-
-    pub(crate) fn put(&mut self, path: &'static str, value: Option<Value>) {
-        match value {
-            Some(value) => self.values.insert(path, value),
-            None => self.values.remove(path),
-        };
-    }
-
-    /// A value in whole microseconds, of a key in seconds.
-    #[must_use]
-    pub fn microseconds(&self, key: &Typed<f64>) -> u64 {
-        whole_microseconds(self.get(key)).unwrap_or(0)
-    }
-}
-
 /// The value of a field of a table in a list.
 pub(crate) fn field<'a>(table: &'a Fields, name: &str) -> Option<&'a Value> {
     table.iter().find(|(field, _)| *field == name).map(|(_, value)| value)
-}
-
-/// The instant of a whole number of microseconds, s: rounded once.
-pub(crate) fn seconds(microseconds: u64) -> f64 {
-    // A signed number becomes a float in one instruction; no time is too large for it.
-    microseconds as i64 as f64 / 1e6
-}
-
-/// Seconds as whole microseconds, if they are (to a thousandth of one).
-pub(crate) fn whole_microseconds(seconds: f64) -> Option<u64> {
-    let us = (seconds * 1e6).round();
-    (us >= 0.0 && (seconds * 1e6 - us).abs() < 1e-3).then_some(us as u64)
-}
-
-/// The problems of a rig's values, each at a key.
-#[derive(Debug, Default)]
-pub struct Findings(pub Vec<(&'static str, String)>);
-
-impl Findings {
-    /// Notes an error at a key.
-    pub fn note(&mut self, key: &Key, message: impl Into<String>) {
-        self.0.push((key.path, message.into()));
-    }
-
-    /// `lower` must not be above `upper`.
-    pub fn not_above(&mut self, rig: &Rig, lower: &Typed<f64>, upper: &Typed<f64>, why: &str) {
-        let (low, high) = (rig.get(lower), rig.get(upper));
-        if low > high {
-            self.note(lower, format!("must not be above {} = {high}, is {low}: {why}", upper.path));
-        }
-    }
-
-    /// `lower` must be below `upper`.
-    pub fn below(&mut self, rig: &Rig, lower: &Typed<f64>, upper: &Typed<f64>, why: &str) {
-        let (low, high) = (rig.get(lower), rig.get(upper));
-        if low >= high {
-            self.note(lower, format!("must be below {} = {high}, is {low}: {why}", upper.path));
-        }
-    }
 }

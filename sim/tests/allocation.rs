@@ -32,7 +32,7 @@ fn takes_none(rig: &Rig) {
 /// One test, as another one beside it would take memory of its own.
 #[test]
 fn no_sample_of_any_built_in_rig_takes_memory() {
-    for (name, _) in pneudrive_sim::rig::BUILTIN {
+    for (name, _) in pneudrive_sim::rigfile::BUILTIN {
         takes_none(&Rig::builtin(name).expect("a built-in rig"));
     }
 }

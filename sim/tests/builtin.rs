@@ -1,7 +1,7 @@
 //! Every rig that comes with the program: it runs, and what it does is no matter of the tolerance.
 
 use pneudrive_sim::keys;
-use pneudrive_sim::rig::BUILTIN;
+use pneudrive_sim::rigfile::BUILTIN;
 use pneudrive_sim::{Accuracy, Rig, Run, run};
 
 fn simulate(name: &str, tolerance: f64) -> Run {

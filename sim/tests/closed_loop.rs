@@ -64,7 +64,7 @@ fn the_tuned_drive_b_comes_to_a_standstill_within_a_millimetre() {
 #[test]
 fn a_setpoint_that_drives_the_rod_too_fast_trips_the_supervisor_and_the_command_is_null() {
     let settings = ["safety.max_speed_m_s=0.3".to_owned()];
-    let text = pneudrive_sim::rig::builtin("servo-b").expect("a built-in rig");
+    let text = pneudrive_sim::rigfile::builtin("servo-b").expect("a built-in rig");
     let rig = Rig::read_with("servo-b", text, &settings).expect("valid");
     let run = run(&rig, Accuracy::of(&rig)).expect("a transient");
     let (fault, k) = run.fault.expect("tripped");
@@ -149,7 +149,7 @@ fn the_solenoid_valve_brings_the_heavy_drive_closer_and_sooner_than_the_stepper(
 #[test]
 fn burrows_relay_comes_to_rest_in_its_dead_zone_by_its_feedback_alone() {
     let run_with = |settings: &[&str]| {
-        let text = pneudrive_sim::rig::builtin("burrows").expect("a built-in rig");
+        let text = pneudrive_sim::rigfile::builtin("burrows").expect("a built-in rig");
         let settings: Vec<String> = settings.iter().map(ToString::to_string).collect();
         run(&Rig::read_with("burrows", text, &settings).expect("valid"), Accuracy::default()).expect("a run")
     };
@@ -172,7 +172,7 @@ fn pressure_feedback_damps_a_drive_that_has_no_velocity_feedback() {
             &format!("controller.pressure_feedback_gain={gain}"),
         ]
         .map(str::to_owned);
-        let text = pneudrive_sim::rig::builtin("servo-b-tuned").expect("a built-in rig");
+        let text = pneudrive_sim::rigfile::builtin("servo-b-tuned").expect("a built-in rig");
         let rig = Rig::read_with("servo-b-tuned", text, &settings).expect("valid");
         let run = run(&rig, Accuracy::of(&rig)).expect("a transient");
         let reached = positions(&run, 0.3, 1.7);
@@ -220,7 +220,7 @@ fn advancing_a_plant_by_its_commands_repeats_the_run_that_they_come_from() {
 #[test]
 fn a_drive_whose_first_move_comes_late_stays_where_it_is_until_then() {
     let settings = ["test.moves=[[1.0, 12000]]", "test.duration_s=2"].map(str::to_owned);
-    let text = pneudrive_sim::rig::builtin("servo-b-tuned").expect("a built-in rig");
+    let text = pneudrive_sim::rigfile::builtin("servo-b-tuned").expect("a built-in rig");
     let rig =
         Rig::read_with("servo-b-tuned", text, &settings).unwrap_or_else(|problems| panic!("{problems}"));
     let run = run(&rig, Accuracy::of(&rig)).expect("a transient");

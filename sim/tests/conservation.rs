@@ -19,7 +19,7 @@ const ROD_SIDE: f64 = BLIND - std::f64::consts::PI / 4.0 * 0.025 * 0.025;
 
 fn rig(name: &str, settings: &[&str]) -> Rig {
     let settings: Vec<String> = settings.iter().map(ToString::to_string).collect();
-    let text = pneudrive_sim::rig::builtin(name).expect("a built-in rig");
+    let text = pneudrive_sim::rigfile::builtin(name).expect("a built-in rig");
     Rig::read_with(name, text, &settings).unwrap_or_else(|problems| panic!("{problems}"))
 }
 

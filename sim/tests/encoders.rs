@@ -6,7 +6,7 @@ use pneudrive_sim::{Accuracy, Rig, Run, run};
 
 /// The tuned drive B with settings, and a fault if one is told.
 fn rig(settings: &[&str], event: &str) -> Rig {
-    let text = pneudrive_sim::rig::builtin("servo-b-tuned").expect("a built-in rig");
+    let text = pneudrive_sim::rigfile::builtin("servo-b-tuned").expect("a built-in rig");
     let text = format!("{text}\n{event}\n");
     let settings: Vec<String> = settings.iter().map(ToString::to_string).collect();
     Rig::read_with("servo-b-tuned", &text, &settings).unwrap_or_else(|problems| panic!("{problems}"))

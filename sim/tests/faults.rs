@@ -11,7 +11,7 @@ fn simulate(rig: &str, events: &[&str], settings: &[&str]) -> Run {
 }
 
 fn rig_with(rig: &str, events: &[&str], settings: &[&str]) -> Rig {
-    let text = pneudrive_sim::rig::builtin(rig).unwrap_or("");
+    let text = pneudrive_sim::rigfile::builtin(rig).unwrap_or("");
     let events: String = events.iter().map(|event| format!("\n[[faults.event]]\n{event}\n")).collect();
     let settings: Vec<String> = settings.iter().map(ToString::to_string).collect();
     let rig = Rig::read_with(rig, &format!("{text}{events}"), &settings);

@@ -7,7 +7,7 @@ use pneudrive_sim::keys;
 use pneudrive_sim::{Accuracy, Rig, follow, run};
 
 fn repeated(name: &str, settings: &[&str]) {
-    let text = pneudrive_sim::rig::builtin(name).expect("a built-in rig");
+    let text = pneudrive_sim::rigfile::builtin(name).expect("a built-in rig");
     let settings: Vec<String> = settings.iter().map(ToString::to_string).collect();
     let rig = Rig::read_with(name, text, &settings).expect("a rig");
     let run = run(&rig, Accuracy::default()).expect("a run");

@@ -5,7 +5,8 @@ use std::collections::BTreeSet;
 use pneudrive_controller::parameters::id;
 use pneudrive_controller::{Fault, Observation};
 use pneudrive_sim::keys;
-use pneudrive_sim::rig::{BUILTIN, Key, Kind, Preset, Value, all_keys, builtin};
+use pneudrive_sim::rig::{Key, Kind, Preset, Value, all_keys};
+use pneudrive_sim::rigfile::{BUILTIN, builtin};
 use pneudrive_sim::{Accuracy, Rig, run};
 
 /// Keys that say something of the drive to other programs than the simulator.

@@ -12,7 +12,7 @@ fn opened(rig: &str, counts: i32, approach: bool, lag_s: f64) -> Run {
         format!("valve.upstream_mach={approach}"),
         format!("tubing.lag_s={lag_s}"),
     ];
-    let text = pneudrive_sim::rig::builtin(rig).expect("a built-in rig");
+    let text = pneudrive_sim::rigfile::builtin(rig).expect("a built-in rig");
     let rig = Rig::read_with(rig, text, &settings).unwrap_or_else(|problems| panic!("{problems}"));
     run(&rig, Accuracy::of(&rig)).unwrap_or_else(|error| panic!("lag {lag_s} s: {error}"))
 }
@@ -61,7 +61,7 @@ fn without_tubes_no_air_has_a_speed_in_front_of_the_valve() {
             "tubing.model=none".to_owned(),
             format!("valve.upstream_mach={approach}"),
         ];
-        let text = pneudrive_sim::rig::builtin("servo-a").expect("a built-in rig");
+        let text = pneudrive_sim::rigfile::builtin("servo-a").expect("a built-in rig");
         let rig = Rig::read_with("servo-a", text, &settings).unwrap_or_else(|problems| panic!("{problems}"));
         run(&rig, Accuracy::of(&rig)).expect("a transient")
     };

@@ -2,8 +2,8 @@
 //! ends with numbers or with an error that has a name. Never a panic, never a run without end.
 
 use pneudrive_sim::keys;
-use pneudrive_sim::rig::{BUILTIN, builtin};
 use pneudrive_sim::rig::{Key, Kind, all_keys, chooser};
+use pneudrive_sim::rigfile::{BUILTIN, builtin};
 use pneudrive_sim::{Accuracy, Rig, Run, run};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;

@@ -7,7 +7,7 @@ use pneudrive_sim::{Accuracy, Rig, Runner, run};
 const RIGS: [&str; 4] = ["servo-a", "servo-b-tuned", "lut-solenoid", "bang-bang"];
 
 fn short(name: &str) -> Rig {
-    let text = pneudrive_sim::rig::builtin(name).expect("a built-in rig");
+    let text = pneudrive_sim::rigfile::builtin(name).expect("a built-in rig");
     let settings = ["test.duration_s=0.8", "sensors.noise_counts=0.4"].map(str::to_owned);
     Rig::read_with(name, text, &settings).expect("a valid rig")
 }

@@ -11,7 +11,7 @@ fn switched(tolerance: f64) -> Run {
         "test.duration_s=1.0",
     ]
     .map(str::to_owned);
-    let text = pneudrive_sim::rig::builtin("bang-bang").expect("a built-in rig");
+    let text = pneudrive_sim::rigfile::builtin("bang-bang").expect("a built-in rig");
     let rig = Rig::read_with("bang-bang", text, &settings).unwrap_or_else(|problems| panic!("{problems}"));
     run(&rig, Accuracy { tolerance, ..Accuracy::default() }).unwrap_or_else(|error| panic!("{error}"))
 }

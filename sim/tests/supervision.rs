@@ -6,7 +6,7 @@ use pneudrive_sim::{Accuracy, Rig, Run, run};
 
 /// The tuned drive B with an event during its first move.
 fn simulate(event: &str, settings: &[&str]) -> Run {
-    let text = pneudrive_sim::rig::builtin("servo-b-tuned").expect("a built-in rig");
+    let text = pneudrive_sim::rigfile::builtin("servo-b-tuned").expect("a built-in rig");
     let settings: Vec<String> = settings.iter().map(ToString::to_string).collect();
     let rig = Rig::read_with("test", &format!("{text}\n[[faults.event]]\n{event}\n"), &settings);
     run(&rig.unwrap_or_else(|problems| panic!("{problems}")), Accuracy::default()).expect("a transient")
@@ -106,7 +106,7 @@ fn a_supply_that_fails_leaves_a_wide_open_valve_that_moves_nothing() {
 /// A drive at rest asks for what its stiction and the null of its valve leave: no more than a shut valve may be asked for.
 #[test]
 fn a_sound_drive_that_moves_and_rests_for_20_s_trips_nothing() {
-    for (name, text) in pneudrive_sim::rig::BUILTIN {
+    for (name, text) in pneudrive_sim::rigfile::BUILTIN {
         let rig = Rig::read_with(name, text, &["test.duration_s=20".to_owned()]);
         let rig = rig.unwrap_or_else(|problems| panic!("{name}: {problems}"));
         let run = run(&rig, Accuracy::default()).expect("a transient");

@@ -1,7 +1,7 @@
 //! The columns of the air inside the valve: what they are, and that looking changes nothing.
 
 use pneudrive_sim::keys;
-use pneudrive_sim::rig::BUILTIN;
+use pneudrive_sim::rigfile::BUILTIN;
 use pneudrive_sim::trace::{EXTRAS, Extra, Row, to_csv};
 use pneudrive_sim::{Accuracy, Recording, Rig, Run, run, run_recorded};
 
@@ -15,7 +15,7 @@ fn column(name: &str, row: &Row) -> f64 {
 
 fn rig(name: &str, settings: &[&str]) -> Rig {
     let settings: Vec<String> = settings.iter().map(|&setting| setting.to_owned()).collect();
-    let text = pneudrive_sim::rig::builtin(name).expect("a built-in rig");
+    let text = pneudrive_sim::rigfile::builtin(name).expect("a built-in rig");
     Rig::read_with(name, text, &settings).unwrap_or_else(|problems| panic!("{problems}"))
 }
 

@@ -6,11 +6,13 @@
 //! crates       as the map of ARCHITECTURE.md has them: each uses only crates that stand above it there
 //! words        of laws and parameters are spelled in one place
 //! tests        each file of a crate's tests is in a test program
+//! libraries    that one module of a crate knows are named nowhere else in it
 //! models       of a component are named in their own files and in its list alone
 //! ```
 
 mod crates;
 mod graph;
+mod libraries;
 mod models;
 mod module;
 mod paths;
@@ -34,6 +36,7 @@ pub fn check(root: &Path) -> Result<()> {
     let mut broken = crates::broken(&Map::of_project(root)?, &uses, &workspaces);
     let folders: Vec<&str> = uses.keys().map(String::as_str).collect();
     broken.extend(models::named_elsewhere(root, &folders)?);
+    broken.extend(libraries::named_elsewhere(root)?);
     let words = vocabulary::words(root)?;
     for folder in uses.keys() {
         broken.extend(

@@ -136,7 +136,7 @@ const SAMPLE: u64 = 116;
 /// A drive that moves, and will be hit at [`SAMPLE`].
 fn moving(hazard: &Hazard, corner: Corner) -> (FlashedTarget, Client) {
     let moves = ["test.duration_s=60", "test.moves=[[0.0, 8192], [0.1, 20000], [1.5, 8192], [3.0, 20000]]"];
-    let text = pneudrive_sim::rig::builtin("servo-b-tuned").expect("a built-in rig");
+    let text = pneudrive_sim::rigfile::builtin("servo-b-tuned").expect("a built-in rig");
     let event = hazard.event.map_or(String::new(), |event| format!("\n[[faults.event]]\n{event}\n"));
     let moves = moves.map(str::to_owned);
     let rig = Rig::read_with("servo-b-tuned", &format!("{text}{event}"), &moves);

@@ -11,7 +11,7 @@ use super::run::{assert_equal_in_every_integer, replayed, rig, run_and_record, r
 
 /// The tuned drive B with a fault of its plant.
 fn faulty(event: &str) -> Rig {
-    let text = pneudrive_sim::rig::builtin("servo-b-tuned").expect("a built-in rig");
+    let text = pneudrive_sim::rigfile::builtin("servo-b-tuned").expect("a built-in rig");
     let text = format!("{text}\n[[faults.event]]\n{event}\n");
     Rig::read("servo-b-tuned", &text).unwrap_or_else(|problems| panic!("{problems}"))
 }
@@ -96,7 +96,7 @@ pub fn moves_on_arrival(start: Start) {
         "controller.tolerance_counts=30",
         "controller.learn_null_offset=true",
     ];
-    let text = pneudrive_sim::rig::builtin("servo-a-tuned").expect("a built-in rig");
+    let text = pneudrive_sim::rigfile::builtin("servo-a-tuned").expect("a built-in rig");
     let text = text.replace("moves = [[0.0, 8192], [0.3, 16384], [1.72, 8192]]", "");
     let settings = settings.map(str::to_owned);
     let rig =

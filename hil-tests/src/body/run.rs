@@ -19,7 +19,7 @@ use crate::Target;
 /// When there is no such rig, or a setting is invalid.
 #[must_use]
 pub fn rig(name: &str, settings: &[&str]) -> Rig {
-    let text = pneudrive_sim::rig::builtin(name).expect("a built-in rig");
+    let text = pneudrive_sim::rigfile::builtin(name).expect("a built-in rig");
     let settings: Vec<String> = settings.iter().map(ToString::to_string).collect();
     Rig::read_with(name, text, &settings).unwrap_or_else(|problems| panic!("{problems}"))
 }

@@ -3,7 +3,7 @@
 //! Catalogues mix up the nominal flow (6 to 5 bar gauge), flows at other drops, and free flow to the surroundings, which is one and
 //! a half times as much. A flow without pressures is taken as nominal, and said to be.
 
-use pneudrive_sim::rig::read_quantity;
+use pneudrive_sim::rigfile::read_quantity;
 
 use crate::conductance::{Conductance, NOMINAL};
 

@@ -12,7 +12,8 @@
 //!
 //! A part has the figures of its class besides its own.
 
-use pneudrive_sim::rig::{nearest, read_quantity};
+use pneudrive_sim::rig::nearest;
+use pneudrive_sim::rigfile::read_quantity;
 use toml_edit::{Document, Table, TableLike};
 
 /// The kind of a part.

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use pneudrive_sim::rig::{Reading, read_quantity};
+use pneudrive_sim::rigfile::{Reading, read_quantity};
 
 use crate::flow_answer::StatedFlow;
 

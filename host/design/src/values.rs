@@ -123,7 +123,7 @@ mod tests {
 
     #[test]
     fn the_resolved_file_is_the_same_rig() {
-        for (name, text) in pneudrive_sim::rig::BUILTIN {
+        for (name, text) in pneudrive_sim::rigfile::BUILTIN {
             let (rig, again) = (rig(text), rig_of_resolved(text));
             assert!(
                 rig.entries()

@@ -3,7 +3,7 @@
 use pneudrive_evaluate::evaluation::{LimitCycle, Motion, Move, moves};
 use pneudrive_evaluate::transient::Transient;
 use pneudrive_records::run_folder::StoredRun;
-use pneudrive_sim::rig::builtin;
+use pneudrive_sim::rigfile::builtin;
 use pneudrive_sim::{Accuracy, Rig, run};
 
 /// The transient of a built-in rig with settings.

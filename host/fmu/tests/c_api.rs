@@ -304,7 +304,7 @@ fn the_description_has_each_variable_once_and_escapes_what_a_name_holds() {
 #[test]
 fn every_physical_value_has_its_unit_in_si() {
     let physical = |unit: &&str| !["", "counts", "samples"].contains(unit);
-    for (name, text) in pneudrive_sim::rig::BUILTIN {
+    for (name, text) in pneudrive_sim::rigfile::BUILTIN {
         let rig = Rig::read(name, text).expect("valid");
         for part in Part::ALL.into_iter().filter(|part| part.check(&rig).is_ok()) {
             let xml = model_description(part, &rig, text);

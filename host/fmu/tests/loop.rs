@@ -55,7 +55,7 @@ impl Fmu {
 }
 
 fn rig(name: &str, settings: &[&str]) -> Rig {
-    let text = pneudrive_sim::rig::builtin(name).expect("built in");
+    let text = pneudrive_sim::rigfile::builtin(name).expect("built in");
     let settings: Vec<String> = settings.iter().map(|setting| (*setting).to_owned()).collect();
     Rig::read_with(name, text, &settings).unwrap_or_else(|problems| panic!("{problems}"))
 }
@@ -71,7 +71,7 @@ fn simulated(rig: &Rig) -> Run {
 /// Rigs that differ in what is between controller and plant: DAC, stepper, open loop, channels in turn, noise, profiles,
 /// waiting for the end of a move, learning, an air supply that is let in first.
 fn rigs() -> Vec<Rig> {
-    let mut rigs: Vec<Rig> = pneudrive_sim::rig::BUILTIN
+    let mut rigs: Vec<Rig> = pneudrive_sim::rigfile::BUILTIN
         .iter()
         .map(|(name, _)| rig(name, &["test.duration_s=0.4"]))
         .filter(|rig| Part::Drive.check(rig).is_ok())

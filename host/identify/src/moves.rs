@@ -189,7 +189,7 @@ mod tests {
     #[test]
     fn every_servo_drive_stays_far_from_its_ends_on_every_test() {
         for name in ["servo-a-tuned", "servo-b-tuned", "servo-c-tuned"] {
-            let text = pneudrive_sim::rig::builtin(name).expect("built in");
+            let text = pneudrive_sim::rigfile::builtin(name).expect("built in");
             let rig = Rig::read_with(name, text, &["controller.loop=open".to_owned()]).expect("valid");
             let stroke = rig.get(&keys::actuator::STROKE_M);
             let timed = [MOVEMENT, DYNAMIC].into_iter().chain(FITTED);

@@ -10,7 +10,7 @@ use crate::simulated_link::{Faults, Random, SimulatedRig};
 /// All rows of a run of 1 s that is looked at between the pieces, and how many were lost.
 fn streamed(rig: &SimulatedRig) -> (Client, Vec<StreamedSample>, u64) {
     let settings = ["test.duration_s=1", "controller.loop=open", "test.moves=[[0.0, 5]]"].map(str::to_owned);
-    let text = pneudrive_sim::rig::builtin("servo-b").expect("a built-in rig");
+    let text = pneudrive_sim::rigfile::builtin("servo-b").expect("a built-in rig");
     let test = Rig::read_with("servo-b", text, &settings).expect("a test");
     rig.change(|simulation| simulation.take_samples());
     let mut client = rig.connect().expect("an answer");

@@ -26,7 +26,7 @@
 //! A channel in SI units is `scale * value + offset`.
 
 use anyhow::{Result, anyhow, bail};
-use pneudrive_sim::rig::read_quantity;
+use pneudrive_sim::rigfile::read_quantity;
 use pneudrive_tables::{Column as Place, Sign};
 use toml_edit::{DocumentMut, Item, Table};
 

@@ -19,7 +19,7 @@ use pneudrive_optimise::positioning::draw::TOLERANCE;
 use pneudrive_optimise::positioning::{Plan, Spread, bound, sine, steps, usual_step_mm};
 use pneudrive_optimise::tuning::search::Budget;
 use pneudrive_optimise::tuning::{Goal, Task, tune};
-use pneudrive_sim::rig::builtin;
+use pneudrive_sim::rigfile::builtin;
 use pneudrive_sim::{Rig, keys};
 
 /// The drives of the thesis.

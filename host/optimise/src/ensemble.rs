@@ -281,7 +281,7 @@ mod tests {
     /// Without velocity feedback a load of 58 kg swings into its ends, or not, by a few percent of it.
     #[test]
     fn perturbed_runs_that_trip_are_told_where_the_run_itself_does_not() {
-        let text = pneudrive_sim::rig::builtin("servo-b-tuned").expect("a built-in rig");
+        let text = pneudrive_sim::rigfile::builtin("servo-b-tuned").expect("a built-in rig");
         let settings = ["controller.velocity_gain=0", "load.mass_kg=58"].map(str::to_owned);
         let rig = Rig::read_with("heavy", text, &settings).unwrap_or_else(|problems| panic!("{problems}"));
         let spacing = Spacing { runs: 8, relative: 0.1 };

@@ -367,7 +367,7 @@ pub fn table(rungs: &[Rung]) -> Table {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use pneudrive_sim::rig::{BUILTIN, builtin};
+    use pneudrive_sim::rigfile::{BUILTIN, builtin};
 
     fn source(rig: &str) -> (String, String) {
         (rig.to_owned(), builtin(rig).expect("a built-in rig").to_owned())

@@ -65,13 +65,13 @@ mod tests {
     fn the_page_begins_with_a_rig_and_no_port() {
         let (status, rigs) = asked("rigs", &Value::Null);
         assert_eq!((status, &rigs["opened"]["name"]), (200, &json!(FIRST)));
-        assert_eq!(rigs["opened"]["text"].as_str(), pneudrive_sim::rig::builtin(FIRST));
+        assert_eq!(rigs["opened"]["text"].as_str(), pneudrive_sim::rigfile::builtin(FIRST));
         assert_eq!(asked("port", &Value::Null), (200, json!({ "port": null })));
     }
 
     #[test]
     fn a_rig_that_is_wrong_is_refused_at_its_key() {
-        let text = pneudrive_sim::rig::builtin(FIRST).expect("a built-in rig");
+        let text = pneudrive_sim::rigfile::builtin(FIRST).expect("a built-in rig");
         let (status, refusal) =
             asked("run", &json!({ "name": FIRST, "text": text, "settings": ["load.mass_kg=-1"] }));
         assert_eq!(status, 422);

@@ -80,7 +80,7 @@ mod tests {
 
     #[test]
     fn perturbed_runs_that_nobody_waits_for_are_given_up() {
-        let (name, text) = pneudrive_sim::rig::BUILTIN[0];
+        let (name, text) = pneudrive_sim::rigfile::BUILTIN[0];
         let body = json!({ "name": name, "text": text, "settings": ["test.duration_s=0.2"] });
         let refusal = answer("ensemble", &body, &|| false).expect_err("given up");
         assert_eq!(refusal.status, StatusCode::GONE);

@@ -3,7 +3,8 @@
 use http::StatusCode;
 use pneudrive_records::rig_text;
 use pneudrive_sim::Rig;
-use pneudrive_sim::rig::{BUILTIN, builtin, key_of};
+use pneudrive_sim::rig::key_of;
+use pneudrive_sim::rigfile::{BUILTIN, builtin};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 

@@ -17,7 +17,7 @@ use axum::response::IntoResponse;
 use axum::routing::get;
 use pneudrive_page::study::{Audience, Study};
 use pneudrive_page::{Answer, answer};
-use pneudrive_sim::rig::{BUILTIN, builtin};
+use pneudrive_sim::rigfile::{BUILTIN, builtin};
 use pneudrive_sim::{Accuracy, Rig, run};
 use serde_json::{Value, json};
 

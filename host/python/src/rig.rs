@@ -6,7 +6,8 @@ use anyhow::Result;
 use pneudrive_records::rig_source::rig_text;
 use pneudrive_records::rig_text::{with_settings, without};
 use pneudrive_records::whole_file::put;
-use pneudrive_sim::rig::{Kind, Preset, Problems, all_keys, find_key, value_of_setting};
+use pneudrive_sim::rig::{Kind, Preset, Problems, all_keys, find_key};
+use pneudrive_sim::rigfile::value_of_setting;
 use pneudrive_sim::{Accuracy, Method};
 use pyo3::exceptions::{PyKeyError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
@@ -311,7 +312,7 @@ fn explained(name: &str) -> PyResult<String> {
 /// Names of the built-in rigs.
 #[pyfunction]
 pub fn builtin_rigs() -> Vec<&'static str> {
-    pneudrive_sim::rig::BUILTIN.iter().map(|(name, _)| *name).collect()
+    pneudrive_sim::rigfile::BUILTIN.iter().map(|(name, _)| *name).collect()
 }
 
 /// A rig, or what makes one: a name, a file or a dict.

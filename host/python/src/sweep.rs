@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result};
 use pneudrive_optimise::sweep::{Source, Sweep};
 use pneudrive_records::rig_source::rig_text;
-use pneudrive_sim::rig::builtin;
+use pneudrive_sim::rigfile::builtin;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyMapping};

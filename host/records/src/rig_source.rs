@@ -5,7 +5,7 @@ use std::io::{Error as IoError, ErrorKind, Read};
 use std::path::Path;
 
 use anyhow::{Context, Result, bail};
-use pneudrive_sim::rig::{BUILTIN, builtin};
+use pneudrive_sim::rigfile::{BUILTIN, builtin};
 use pneudrive_tables::text::utf8;
 
 /// The longest rig file, bytes.

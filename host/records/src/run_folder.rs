@@ -116,7 +116,7 @@ fn refuse_others(folder: &Path) -> Result<()> {
 mod tests {
     use super::*;
     use crate::judged::{FailedMembers, Spacing};
-    use pneudrive_sim::rig::BUILTIN;
+    use pneudrive_sim::rigfile::BUILTIN;
     use pneudrive_sim::{Accuracy, Convergence, run};
 
     #[test]

@@ -10,7 +10,7 @@ use pneudrive_sim::Rig;
 const SETTINGS: [&str; 3] = ["test.duration_s=0.3", "test.moves=[[0.0, 9000]]", "safety.hold_s=1"];
 
 fn rig() -> Rig {
-    let text = pneudrive_sim::rig::builtin("servo-b-tuned").expect("a built-in rig");
+    let text = pneudrive_sim::rigfile::builtin("servo-b-tuned").expect("a built-in rig");
     Rig::read_with("servo-b-tuned", text, &SETTINGS.map(str::to_owned)).expect("a rig")
 }
 

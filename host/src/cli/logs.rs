@@ -86,6 +86,6 @@ pub struct Import {
 }
 
 fn period(text: &str) -> Result<f64, String> {
-    let reading = pneudrive_sim::rig::read_quantity(text, "s")?;
+    let reading = pneudrive_sim::rigfile::read_quantity(text, "s")?;
     if reading.value > 0.0 { Ok(reading.value) } else { Err("must be more than 0".to_owned()) }
 }

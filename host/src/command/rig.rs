@@ -7,7 +7,8 @@ use anyhow::{Result, anyhow, bail};
 use pneudrive_design::difference::{Difference, differences};
 use pneudrive_design::values;
 use pneudrive_sim::Rig;
-use pneudrive_sim::rig::{BUILTIN, Value, explain};
+use pneudrive_sim::rig::{Value, explain};
+use pneudrive_sim::rigfile::BUILTIN;
 use serde_json::json;
 
 use super::rig_source::{load_rig, rig_text};

@@ -13,7 +13,7 @@ use pneudrive_records::own_file::{GENERATOR, make_writable, refuse_to_replace};
 use pneudrive_records::text_file;
 use pneudrive_records::whole_file::put;
 use pneudrive_report::Library;
-use pneudrive_sim::rig::builtin;
+use pneudrive_sim::rigfile::builtin;
 
 use super::long_work::{about, allow};
 use super::progress::Progress;

@@ -14,7 +14,7 @@ use axum::http::StatusCode;
 use pneudrive_page::refusal::HttpRefusal;
 use pneudrive_page::rigs::{self, Opened, ToSave};
 use pneudrive_records::whole_file;
-use pneudrive_sim::rig::builtin;
+use pneudrive_sim::rigfile::builtin;
 use serde_json::{Value, json};
 
 use crate::refusal_response::RefusalResponse;

@@ -6,7 +6,7 @@ use std::fs;
 
 use pneudrive_rigs::virtual_rig::{Background, Listener, Pace, VirtualRig};
 use pneudrive_sim::Rig;
-use pneudrive_sim::rig::builtin;
+use pneudrive_sim::rigfile::builtin;
 use serde_json::json;
 
 use crate::chromium::Browser;

@@ -4,7 +4,7 @@
 
 use pneudrive_rigs::virtual_rig::{Background, Listener, Pace, VirtualRig};
 use pneudrive_sim::Rig;
-use pneudrive_sim::rig::builtin;
+use pneudrive_sim::rigfile::builtin;
 use serde_json::{Value, json};
 
 use crate::chromium::Browser;

@@ -9,7 +9,7 @@ use pneudrive_link::client::Client;
 use pneudrive_protocol::Mode;
 use pneudrive_rigs::virtual_rig::{Background, Listener, Pace, VirtualRig};
 use pneudrive_sim::Rig;
-use pneudrive_sim::rig::builtin;
+use pneudrive_sim::rigfile::builtin;
 use serde_json::json;
 
 use crate::chromium::Browser;

@@ -14,7 +14,7 @@ use pneudrive_records::target::TargetFile;
 use pneudrive_rigs::virtual_rig::{Background, Listener, Pace, VirtualRig};
 use pneudrive_session::test_run;
 use pneudrive_sim::Rig;
-use pneudrive_sim::rig::builtin;
+use pneudrive_sim::rigfile::builtin;
 use serde_json::json;
 
 use crate::chromium::Browser;

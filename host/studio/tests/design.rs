@@ -78,7 +78,7 @@ fn the_perturbed_runs_tell_a_band_ranges_and_whether_the_run_is_converged() {
 #[test]
 fn a_wrong_value_is_told_at_its_key_in_the_words_of_rig_check() {
     let studio = studio();
-    let text = pneudrive_sim::rig::builtin("servo-b-tuned").expect("a built-in rig");
+    let text = pneudrive_sim::rigfile::builtin("servo-b-tuned").expect("a built-in rig");
     for setting in [
         "load.mass_kg=-1",
         "load.mass=8 furlongs",
@@ -185,7 +185,7 @@ fn a_rig_that_is_not_valid_is_not_saved() {
 const RECORD: &str = include_str!("../../tests/fixtures/TARGET-1.DAT");
 
 fn compare(text: &str) -> visitor::Answer {
-    let rig = pneudrive_sim::rig::builtin("servo-b-tuned");
+    let rig = pneudrive_sim::rigfile::builtin("servo-b-tuned");
     let record = json!({ "name": "TARGET01.DAT", "text": text });
     let body = json!({ "name": "servo-b-tuned", "text": rig, "settings": [], "record": record });
     ask_as_page(&studio(), Method::POST, "/api/compare", Some(body))
@@ -219,7 +219,7 @@ fn a_damaged_record_is_refused_with_its_name() {
 
 #[test]
 fn a_run_folder_is_compared_with_the_run_as_overlay_does_it_and_a_damaged_one_refused() {
-    let text = pneudrive_sim::rig::builtin("servo-b-tuned").expect("a built-in rig");
+    let text = pneudrive_sim::rigfile::builtin("servo-b-tuned").expect("a built-in rig");
     let rig = |settings: &[&str]| {
         let settings: Vec<String> = settings.iter().map(|one| (*one).to_owned()).collect();
         Rig::read_with("servo-b-tuned", text, &settings).expect("a rig")

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use axum::http::{Method, StatusCode};
 use pneudrive_page::study::{Audience, Study};
-use pneudrive_sim::rig::builtin;
+use pneudrive_sim::rigfile::builtin;
 use serde_json::{Value, json};
 
 use crate::visitor::{ask_as_page, studio};

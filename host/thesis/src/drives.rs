@@ -6,7 +6,7 @@ use anyhow::{Context, Result};
 use pneudrive_sim::component::controller;
 use pneudrive_sim::component::encoder::mm_per_count;
 use pneudrive_sim::keys;
-use pneudrive_sim::rig::builtin;
+use pneudrive_sim::rigfile::builtin;
 use pneudrive_sim::trace::Row;
 use pneudrive_sim::{Accuracy, Recording, Rig, Run, run_recorded};
 

@@ -1,6 +1,6 @@
 //! The table of docs/counts.md: work counters of every built-in rig and every reference case.
 
-use pneudrive_sim::rig::{BUILTIN, builtin};
+use pneudrive_sim::rigfile::{BUILTIN, builtin};
 use pneudrive_sim::{Accuracy, Rig, run};
 
 pub const PAGE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/counts.md");

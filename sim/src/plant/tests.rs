@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::assembly::{GUARDS, STATES};
-use crate::rig::BUILTIN;
+use crate::rigfile::BUILTIN;
 
 /// Every built-in rig with commands to and fro, held, flying, in its stops, on dry friction and on bristles, behind tubes and
 /// sensors that lag or not: `System::n_moving` leaves what rests out of the sums of a step, and `System::n_guards` what stays

@@ -73,7 +73,7 @@ impl Rig {
     }
 
     /// The controller takes this rig for what it took `other` for, but for its own settings.
-    pub(super) fn keep_nominal_of(&mut self, other: &Rig) {
+    pub(crate) fn keep_nominal_of(&mut self, other: &Rig) {
         let of_plant = |path: &str| OWN.iter().all(|own| !path.starts_with(own));
         let paths = self.values.keys().chain(other.values.keys()).copied();
         let differ = paths.filter(|path| of_plant(path) && self.value(path) != other.value(path));

@@ -1,25 +1,52 @@
 //! What must hold between the components of a rig: nothing that divides by zero, nothing unphysical (thesis 9.2.1 asks
 //! for such a check). What concerns one component alone stands with it.
 
+use std::collections::BTreeSet;
+
 use pneudrive_controller::Config;
 use pneudrive_controller::config::ConfigError;
 use pneudrive_controller::parameters::lookup;
 
+use super::parameters::cascade;
+use super::problem::{Problem, Problems};
 use crate::component::actuator::Actuator;
 use crate::component::controller::{ControllerKind, Law, Loop};
 use crate::component::load::Load;
 use crate::component::tubing::speed_outweighs_supply_tube;
 use crate::component::{actuator, controller, encoder, faults, friction, operator, sensors, valve};
 use crate::key::{Choice, Typed};
-use crate::rig::parameters::cascade;
 use crate::values::{Findings, Rig};
 use crate::{gain_bug, keys, schedule, start};
 
 /// The largest part of a dead volume that may be lost to the stop's giving way, at rest.
 const MAX_TAKEN_UP: f64 = 0.5;
 
+impl Rig {
+    /// The rig with the values that follow from others, if all that must hold between its keys does; `source` is for
+    /// messages.
+    pub(super) fn checked(mut self, source: &str) -> Result<Rig, Problems> {
+        self.suit_others();
+        let problem = |(path, message): (&str, String)| Problem {
+            source: source.to_owned(),
+            line: None,
+            key: path.to_owned(),
+            message,
+        };
+        let problems: Vec<Problem> = self.findings(&BTreeSet::new()).0.into_iter().map(problem).collect();
+        if problems.is_empty() { Ok(self) } else { Err(Problems(problems)) }
+    }
+
+    /// Everything that does not go together, and which of some keys were written in vain.
+    pub(crate) fn findings(&self, keys: &BTreeSet<&'static str>) -> Findings {
+        let mut findings = Findings::default();
+        self.note_idle(keys, &mut findings);
+        check(self, &mut findings);
+        findings
+    }
+}
+
 /// Notes everything that does not go together.
-pub(super) fn check(rig: &Rig, findings: &mut Findings) {
+fn check(rig: &Rig, findings: &mut Findings) {
     let why = "air must flow from the supply to the exhaust";
     findings.below(rig, &keys::exhaust::PRESSURE_PA, &keys::supply::PRESSURE_PA, why);
     for check in [

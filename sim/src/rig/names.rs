@@ -10,7 +10,7 @@ pub fn key_of(path: &str) -> Option<&'static Key> {
 }
 
 /// The key that a path without a unit means: `actuator.stroke` is actuator.stroke_m. Case does not matter.
-pub(super) fn key_of_stem(path: &str) -> Option<&'static Key> {
+pub(crate) fn key_of_stem(path: &str) -> Option<&'static Key> {
     let (table, name) = path.split_once('.').unwrap_or(("", path));
     all_keys().find(|key| {
         key.table() == table && !key.unit().is_empty() && unit(key.name()).0.eq_ignore_ascii_case(name)
@@ -18,7 +18,7 @@ pub(super) fn key_of_stem(path: &str) -> Option<&'static Key> {
 }
 
 /// The message about a key that is not in the table: its unit, or a near miss.
-pub(super) fn unknown_key(path: &str) -> String {
+pub(crate) fn unknown_key(path: &str) -> String {
     let (table, name) = path.split_once('.').unwrap_or(("", path));
     let (stem, given) = unit(name);
     let same_stem =
@@ -43,7 +43,7 @@ pub(super) fn unknown_key(path: &str) -> String {
     }
 }
 
-pub(super) fn did_you_mean<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> String {
+pub(crate) fn did_you_mean<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> String {
     nearest(name, known)
         .map(|candidate| format!("; did you mean {candidate}?"))
         .unwrap_or_else(|| "; `pneudrive rig explain` lists the keys".to_owned())

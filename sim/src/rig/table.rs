@@ -56,7 +56,7 @@ pub fn chooser(key: &Key) -> Option<&'static Key> {
 }
 
 /// The value that holds without a key, if one does.
-pub(super) fn preset_value(preset: &Preset) -> Option<Value> {
+pub(crate) fn preset_value(preset: &Preset) -> Option<Value> {
     Some(match preset {
         Preset::Number(value) => Value::Number(*value),
         Preset::Integer(value) => Value::Integer(*value),
@@ -69,7 +69,7 @@ pub(super) fn preset_value(preset: &Preset) -> Option<Value> {
 }
 
 /// The empty file: servo-drive B as the thesis's Appendix VII has it.
-pub(super) fn presets() -> Rig {
+pub(crate) fn presets() -> Rig {
     let value = |key: &'static Key| preset_value(&key.preset).map(|value| (key.path, value));
     Rig { values: all_keys().filter_map(value).collect(), ..Rig::default() }
 }

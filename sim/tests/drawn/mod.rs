@@ -3,7 +3,8 @@
 
 use pneudrive_sim::Rig;
 use pneudrive_sim::keys;
-use pneudrive_sim::rig::{BUILTIN, builtin, unit_interval};
+use pneudrive_sim::rig::unit_interval;
+use pneudrive_sim::rigfile::{BUILTIN, builtin};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 

@@ -5,16 +5,23 @@ use std::fs;
 use std::path::Path;
 
 use super::crates::{self, Map, Uses};
-use super::{of_crate, programs, vocabulary};
+use super::module::Modules;
+use super::{libraries, of_crate, programs, vocabulary};
 
-/// A crate of these files; what breaks a rule in it.
-fn broken(files: &[(&str, &str)]) -> Vec<String> {
+/// A crate of these files.
+fn planted(files: &[(&str, &str)]) -> tempfile::TempDir {
     let folder = tempfile::tempdir().expect("a folder");
     for (name, text) in files {
         let path = folder.path().join("src").join(name);
         fs::create_dir_all(path.parent().expect("a folder")).expect("a folder");
         fs::write(path, text).expect("a file");
     }
+    folder
+}
+
+/// What breaks a rule in a crate of these files.
+fn broken(files: &[(&str, &str)]) -> Vec<String> {
+    let folder = planted(files);
     of_crate(folder.path(), &vocabulary::words(root()).expect("the table and the list")).expect("sources")
 }
 
@@ -65,6 +72,20 @@ fn tests_may_use_what_they_test() {
         ("b.rs", "use crate::a::of;"),
     ]);
     assert_eq!(found, <[&str; 0]>::default());
+}
+
+#[test]
+fn a_library_that_is_named_outside_of_its_module_is_found_and_none_in_tests() {
+    let folder = planted(&[
+        ("lib.rs", "mod rig; mod rigfile;"),
+        ("rig.rs", "pub fn of(error: &toml_edit::TomlError) {} #[cfg(test)] mod tests { use uom::si; }"),
+        ("rigfile.rs", "mod value;"),
+        ("rigfile/value.rs", "use toml_edit::Item; use uom::si;"),
+    ]);
+    let modules = Modules::read(&folder.path().join("src")).expect("sources");
+    let named = |library| libraries::in_crate(&modules, library, "rigfile");
+    assert_eq!(named("toml_edit"), ["rig names toml_edit, which is for rigfile alone"]);
+    assert_eq!(named("uom"), <[&str; 0]>::default());
 }
 
 /// A map of three crates in two workspaces.

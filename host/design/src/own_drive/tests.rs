@@ -2,7 +2,8 @@
 
 use std::f64::consts::PI;
 
-use pneudrive_sim::rig::{Source, all_keys, builtin};
+use pneudrive_sim::rig::{Source, all_keys};
+use pneudrive_sim::rigfile::builtin;
 use pneudrive_sim::{Accuracy, Rig, keys, run};
 
 use super::*;

@@ -160,7 +160,7 @@ mod tests {
 
     fn sweep() -> Sweep {
         let rig = |name: &str| {
-            let text = pneudrive_sim::rig::builtin(name).expect("a built-in rig").to_owned();
+            let text = pneudrive_sim::rigfile::builtin(name).expect("a built-in rig").to_owned();
             Ok(Source { name: name.to_owned(), text })
         };
         let source = Source { name: "s.toml".to_owned(), text: SWEEP.to_owned() };

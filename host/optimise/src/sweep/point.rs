@@ -5,7 +5,8 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use pneudrive_records::judged::Spacing;
 use pneudrive_records::words::fault_name;
-use pneudrive_sim::rig::{Problems, RigFile};
+use pneudrive_sim::rig::Problems;
+use pneudrive_sim::rigfile::RigFile;
 use pneudrive_sim::{Rig, Run};
 
 use super::{Metric, Sweep};

@@ -2,7 +2,7 @@ use super::*;
 
 /// A sweep of servo-b-tuned.
 pub(super) fn sweep(text: &str) -> Sweep {
-    let rig = pneudrive_sim::rig::builtin("servo-b-tuned").expect("a built-in rig");
+    let rig = pneudrive_sim::rigfile::builtin("servo-b-tuned").expect("a built-in rig");
     let text = format!("rig = \"servo-b-tuned\"\n{text}\n[metrics]\nair = \"air_l\"\n");
     let source = |name: &str, text: &str| Source { name: name.to_owned(), text: text.to_owned() };
     Sweep::read(source("s.toml", &text), |name| Ok(source(name, rig)))

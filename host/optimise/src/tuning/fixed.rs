@@ -2,7 +2,7 @@
 
 use anyhow::{Result, bail};
 use pneudrive_sim::keys;
-use pneudrive_sim::rig::value_of_setting;
+use pneudrive_sim::rigfile::value_of_setting;
 
 use super::Task;
 

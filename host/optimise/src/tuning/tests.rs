@@ -5,7 +5,7 @@ mod tracking;
 
 use pneudrive_sim::Rig;
 use pneudrive_sim::component::encoder;
-use pneudrive_sim::rig::{BUILTIN, builtin};
+use pneudrive_sim::rigfile::{BUILTIN, builtin};
 
 use super::gains::Space;
 use super::trial::Trial;

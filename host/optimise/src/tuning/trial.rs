@@ -8,7 +8,8 @@ use pneudrive_records::rig_text;
 use pneudrive_records::words::fault_name;
 use pneudrive_sim::component::encoder::{self, mm_per_count};
 use pneudrive_sim::keys;
-use pneudrive_sim::rig::{Problems, RigFile};
+use pneudrive_sim::rig::Problems;
+use pneudrive_sim::rigfile::RigFile;
 use pneudrive_sim::{Accuracy, Rig, Run};
 
 use super::goal::{Goal, Performance};

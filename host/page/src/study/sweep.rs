@@ -222,7 +222,7 @@ impl Varied {
 
 #[cfg(test)]
 mod tests {
-    use pneudrive_sim::rig::builtin;
+    use pneudrive_sim::rigfile::builtin;
 
     use super::*;
 

@@ -5,7 +5,8 @@ use pneudrive_design::values;
 use pneudrive_optimise::runnable::{Obstacle, Remedy, obstacle};
 use pneudrive_optimise::sensitivity::{Effect, Sensitivity, sensitivity};
 use pneudrive_sim::Rig;
-use pneudrive_sim::rig::{Source, builtin};
+use pneudrive_sim::rig::Source;
+use pneudrive_sim::rigfile::builtin;
 use serde_json::{Value, json};
 
 use crate::command::progress::Progress;

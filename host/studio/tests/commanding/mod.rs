@@ -154,7 +154,7 @@ fn body(number: &Value, kind: &str, what: &str, more: Value) -> Value {
 
 /// The rig as a page sends it.
 pub fn rig_of_page() -> Value {
-    json!({ "rig": { "name": RIG, "text": pneudrive_sim::rig::builtin(RIG), "settings": [] } })
+    json!({ "rig": { "name": RIG, "text": pneudrive_sim::rigfile::builtin(RIG), "settings": [] } })
 }
 
 /// The same with settings.

@@ -6,7 +6,7 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-use pneudrive_sim::rig::builtin;
+use pneudrive_sim::rigfile::builtin;
 use pneudrive_studio::{Opened, Options, Studio};
 use serde_json::json;
 

@@ -28,7 +28,7 @@ impl Answer {
 
 /// A studio at a free port, with servo-drive B.
 pub fn studio() -> Studio {
-    studio_with("servo-b-tuned", pneudrive_sim::rig::builtin("servo-b-tuned").expect("a built-in rig"))
+    studio_with("servo-b-tuned", pneudrive_sim::rigfile::builtin("servo-b-tuned").expect("a built-in rig"))
 }
 
 /// The same with another rig.
@@ -79,7 +79,7 @@ pub fn ask_as_page(studio: &Studio, method: Method, path: &str, body: Option<Val
 
 /// The same with a rig of the file and some settings.
 pub fn post_rig(studio: &Studio, path: &str, name: &str, settings: &[&str]) -> Answer {
-    let text = pneudrive_sim::rig::builtin(name).expect("a built-in rig");
+    let text = pneudrive_sim::rigfile::builtin(name).expect("a built-in rig");
     let body = json!({ "name": name, "text": text, "settings": settings });
     ask_as_page(studio, Method::POST, path, Some(body))
 }

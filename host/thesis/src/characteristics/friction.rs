@@ -353,7 +353,7 @@ mod tests {
     /// A drive that is still gaining speed at its stop has no constant speed.
     #[test]
     fn no_built_in_rig_is_read_wrong() {
-        for (name, _) in pneudrive_sim::rig::BUILTIN {
+        for (name, _) in pneudrive_sim::rigfile::BUILTIN {
             let rig = Rig::builtin(name).expect("a built-in rig");
             let found = measure(&rig).expect("a load");
             for (way, key) in [("extending", "extend"), ("retracting", "retract")] {

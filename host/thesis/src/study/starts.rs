@@ -16,7 +16,7 @@ use pneudrive_optimise::ensemble::reversed;
 use pneudrive_sim::Rig;
 use pneudrive_sim::component::encoder::mm_per_count;
 use pneudrive_sim::keys;
-use pneudrive_sim::rig::builtin;
+use pneudrive_sim::rigfile::builtin;
 
 use super::Variant;
 

@@ -1,6 +1,7 @@
 //! Tables, keys and plain values of a file, with their lines.
 
-use pneudrive_sim::rig::{TomlFile, nearest};
+use pneudrive_sim::rig::nearest;
+use pneudrive_sim::rigfile::TomlFile;
 use toml_edit::{Item, Table, TableLike};
 
 /// A sweep's file that is being read.

@@ -6,7 +6,7 @@ fn read(text: &str) -> Result<Sweep, Problems> {
     let source = |name: &str, text: &str| Source { name: name.to_owned(), text: text.to_owned() };
     Sweep::read(source("s.toml", text), |name| {
         let rig =
-            pneudrive_sim::rig::builtin(name).ok_or_else(|| anyhow::anyhow!("there is no rig {name}"))?;
+            pneudrive_sim::rigfile::builtin(name).ok_or_else(|| anyhow::anyhow!("there is no rig {name}"))?;
         Ok(source(name, rig))
     })
 }

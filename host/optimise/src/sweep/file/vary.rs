@@ -12,7 +12,8 @@
 //! in the rig; a list is then `{ values = [0.7, 1.0, 1.3], scale = [...] }`.
 
 use pneudrive_sim::Rig;
-use pneudrive_sim::rig::{Key, Kind, all_keys, read_quantity, unit, value_of_setting};
+use pneudrive_sim::rig::{Key, Kind, all_keys, unit};
+use pneudrive_sim::rigfile::{read_quantity, value_of_setting};
 use toml_edit::{Array, Item, TableLike, Value};
 
 use super::super::axis::{Axis, Distribution, Draw, Range};

@@ -1,6 +1,6 @@
 //! The built-in rigs.
 
-use super::Rig;
+use crate::values::Rig;
 
 /// Name and file of each built-in rig.
 pub const BUILTIN: &[(&str, &str)] = &[

@@ -4,15 +4,13 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use toml_edit::{ArrayOfTables, Item, Table, TableLike};
 
-use super::names::{did_you_mean, key_of_stem, unknown_key};
 use super::origin::{Stated, stated};
-use super::problem::Problem;
 use super::quantity;
-use super::table::{all_keys, find_key};
 use super::toml_file::TomlFile;
 use super::value::{end_of, is_gauge, item_of, value_of, with_unit};
 use crate::key::{Key, Kind};
 use crate::keys;
+use crate::rig::{Problem, all_keys, did_you_mean, find_key, key_of_stem, unknown_key};
 use crate::values::{Findings, Origin, Rig, Value};
 
 /// The name of the command line's settings in messages.

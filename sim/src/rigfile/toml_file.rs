@@ -4,7 +4,8 @@ use std::ops::Range;
 
 use toml_edit::Document;
 
-use super::problem::{Problem, Problems};
+use super::syntax;
+use crate::rig::{Problem, Problems};
 
 /// A TOML file that is being read, and the problems found so far.
 #[derive(Clone, Debug)]
@@ -28,8 +29,8 @@ impl<'a> TomlFile<'a> {
 
     /// Its tables and keys; None if it is not TOML, which is noted.
     pub fn document(&mut self) -> Option<Document<&'a str>> {
-        let syntax = |error| self.problems.push(Problem::of_syntax(self.source, self.text, &error));
-        Document::parse(self.text).map_err(syntax).ok()
+        let noted = |error| self.problems.push(syntax::problem(self.source, self.text, &error));
+        Document::parse(self.text).map_err(noted).ok()
     }
 
     /// Notes an error in a key.

@@ -1,18 +1,10 @@
 //! Reads a rig file: once for one rig, or for many rigs that differ in some values.
 
-use super::check::check;
-use super::names::unknown_key;
-use super::problem::Problems;
 use super::reader::{Noted, Reader};
-use super::table::{find_key, preset_value, presets};
 use super::value::{item_of, value_of};
-use crate::component::controller::Law;
-use crate::component::operator::OperatorKind;
 use crate::keys;
-use crate::values::{Findings, Rig, Value};
-
-/// Samples and outputs are late beyond this, microseconds, where the file does not say.
-const LATE_US: i64 = 100;
+use crate::rig::{Problems, find_key, preset_value, presets, unknown_key};
+use crate::values::{Rig, Value};
 
 impl Rig {
     /// Reads a rig file; `source` is its name for messages.
@@ -29,55 +21,6 @@ impl Rig {
     /// Every problem with its line and key.
     pub fn read_with(source: &str, text: &str, settings: &[String]) -> Result<Rig, Problems> {
         RigFile::read(source, text).into_rig(settings)
-    }
-
-    /// Values that the file does not give and that follow from others.
-    pub(super) fn suit_others(&mut self) {
-        self.suit_drive_stage();
-        self.suit_law();
-        self.suit_period();
-    }
-
-    /// A limit of lateness must lie before the next sample: at most half of the time until then.
-    fn suit_period(&mut self) {
-        let [period, delay] =
-            [&keys::controller::PERIOD_S, &keys::controller::DELAY_S].map(|key| self.get(key));
-        let until =
-            [(&keys::safety::LATE_SAMPLE_US, period), (&keys::safety::LATE_OUTPUT_US, period - delay)];
-        for (key, left_s) in until {
-            if !self.is_set(key) {
-                let half_us = (left_s * 0.5e6).max(1.0) as i64;
-                self.put(key.path, Some(Value::Integer(half_us.min(LATE_US))));
-            }
-        }
-    }
-
-    /// C(68) is Burrows': the other laws feed pressures back only if the file says so.
-    fn suit_law(&mut self) {
-        let gain = &keys::controller::PRESSURE_FEEDBACK_GAIN;
-        if !self.is_set(gain) {
-            let on_off = self.get(&keys::controller::LAW) == Law::OnOff;
-            self.put(gain.path, if on_off { preset_value(&gain.preset) } else { Some(Value::Number(0.0)) });
-        }
-    }
-
-    /// Values in commands follow the drive stage if the file does not give them: the scale of the law (6.3.3), and
-    /// the dead zone of the valve, 0.05 mm.
-    fn suit_drive_stage(&mut self) {
-        let of_stepper = [
-            (&keys::controller::SCALE, 65_536),
-            (&keys::controller::DEAD_ZONE_COUNTS, 4),
-            (&keys::controller::HOMING_COMMAND_COUNTS, -4),
-        ];
-        let stepper = self.get(&keys::operator::MODEL) == OperatorKind::Stepper;
-        for (key, value) in of_stepper {
-            if !self.is_set(key) {
-                self.put(
-                    key.path,
-                    if stepper { Some(Value::Integer(value)) } else { preset_value(&key.preset) },
-                );
-            }
-        }
     }
 
     /// This rig with `key=value` settings applied, each in TOML syntax.
@@ -125,19 +68,11 @@ impl Rig {
         rig.with_settings(settings)
     }
 
-    /// The rig, if all that must hold between its keys does; `source` is for messages.
-    pub(super) fn checked(self, source: &str) -> Result<Rig, Problems> {
-        self.checked_by(Reader::new(source, ""))
-    }
-
-    /// The same where its reader has found nothing wrong yet.
+    /// The rig that a reader has filled, if nothing is wrong with it.
     fn checked_by(mut self, mut reader: Reader) -> Result<Rig, Problems> {
         self.suit_others();
         if reader.file.problems.is_empty() {
-            let mut findings = Findings::default();
-            self.note_idle(&reader.in_vain, &mut findings);
-            check(&self, &mut findings);
-            reader.note(findings);
+            reader.note(self.findings(&reader.in_vain));
         }
         reader.file.end(self)
     }

@@ -1,7 +1,7 @@
 //! Values with units of their own, and where values come from.
 
-use super::*;
 use crate::keys;
+use crate::rig::{Origin, Problems, Rig, Source};
 
 fn read(text: &str) -> Rig {
     Rig::read("rig.toml", text).unwrap_or_else(|problems| panic!("{problems}"))

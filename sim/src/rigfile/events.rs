@@ -4,11 +4,10 @@
 
 use toml_edit::{Item, TableLike};
 
-use super::names::did_you_mean;
 use super::reader::Reader;
-use super::table::preset_value;
 use super::value::value_of;
 use crate::key::{Key, Preset, Tables};
+use crate::rig::{did_you_mean, preset_value};
 use crate::values::{Fields, Value, whole_microseconds};
 
 fn name_of(field: &Key) -> &'static str {

@@ -4,8 +4,8 @@ use toml_edit::Item;
 
 use super::origin::Stated;
 use super::quantity::{self, Reading};
-use super::table::preset_value;
 use crate::key::{Key, Kind, Preset, unit as stem};
+use crate::rig::preset_value;
 use crate::values::Value;
 
 /// A value as it is typed. A bare word is a text: --set valve.model=flow-node needs no quotes inside quotes. Numbers may be

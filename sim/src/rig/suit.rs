@@ -1,0 +1,61 @@
+//! Values that follow from others where a file does not give them.
+
+use super::table::preset_value;
+use crate::component::controller::Law;
+use crate::component::operator::OperatorKind;
+use crate::keys;
+use crate::values::{Rig, Value};
+
+/// Samples and outputs are late beyond this, microseconds, where the file does not say.
+const LATE_US: i64 = 100;
+
+impl Rig {
+    /// Puts in the values that were not set and that follow from others.
+    pub(crate) fn suit_others(&mut self) {
+        self.suit_drive_stage();
+        self.suit_law();
+        self.suit_period();
+    }
+
+    /// A limit of lateness must lie before the next sample: at most half of the time until then.
+    fn suit_period(&mut self) {
+        let [period, delay] =
+            [&keys::controller::PERIOD_S, &keys::controller::DELAY_S].map(|key| self.get(key));
+        let until =
+            [(&keys::safety::LATE_SAMPLE_US, period), (&keys::safety::LATE_OUTPUT_US, period - delay)];
+        for (key, left_s) in until {
+            if !self.is_set(key) {
+                let half_us = (left_s * 0.5e6).max(1.0) as i64;
+                self.put(key.path, Some(Value::Integer(half_us.min(LATE_US))));
+            }
+        }
+    }
+
+    /// C(68) is Burrows': the other laws feed pressures back only if the file says so.
+    fn suit_law(&mut self) {
+        let gain = &keys::controller::PRESSURE_FEEDBACK_GAIN;
+        if !self.is_set(gain) {
+            let on_off = self.get(&keys::controller::LAW) == Law::OnOff;
+            self.put(gain.path, if on_off { preset_value(&gain.preset) } else { Some(Value::Number(0.0)) });
+        }
+    }
+
+    /// Values in commands follow the drive stage if the file does not give them: the scale of the law (6.3.3), and
+    /// the dead zone of the valve, 0.05 mm.
+    fn suit_drive_stage(&mut self) {
+        let of_stepper = [
+            (&keys::controller::SCALE, 65_536),
+            (&keys::controller::DEAD_ZONE_COUNTS, 4),
+            (&keys::controller::HOMING_COMMAND_COUNTS, -4),
+        ];
+        let stepper = self.get(&keys::operator::MODEL) == OperatorKind::Stepper;
+        for (key, value) in of_stepper {
+            if !self.is_set(key) {
+                self.put(
+                    key.path,
+                    if stepper { Some(Value::Integer(value)) } else { preset_value(&key.preset) },
+                );
+            }
+        }
+    }
+}
