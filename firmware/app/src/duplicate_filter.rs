@@ -1,9 +1,9 @@
-//! Requests that come late a second time, behind later ones: a copy of the line, or of a host that asked
-//! again while the answer was on its way. Those that come after a reset are told by the boot that they name.
+//! Requests that arrive a second time, behind later ones: the line has copied them, or a host asked again while the answer was
+//! on its way. Copies that arrive after a reset name an earlier boot and are refused for that.
 
 use pneudrive_protocol::{Request, RequestBody};
 
-/// Requests that are remembered.
+/// How many requests are remembered.
 const REMEMBERED: usize = 8;
 
 /// A request is forgotten when the numbers of its session are this far ahead of it. Numbers wrap after 65,536 requests; a stop must
@@ -22,8 +22,9 @@ struct Remembered {
 }
 
 impl DuplicateFilter {
-    /// Whether a request that changes something was carried out before, by the CRC of its message; from now on it was.
-    pub(crate) fn has(&mut self, request: &Request<'_>, crc32: u32) -> bool {
+    /// Whether a request is a copy of one that was carried out, by the CRC of its message. One that changes something and is no copy
+    /// is remembered: the next one like it is. Requests that change nothing are never duplicates, but their numbers count.
+    pub(crate) fn is_duplicate(&mut self, request: &Request<'_>, crc32: u32) -> bool {
         let &Request { session, sequence, ref body, .. } = request;
         for slot in &mut self.0 {
             *slot = slot.filter(|old| !(old.session == session && old.is_far_behind(sequence)));
@@ -65,32 +66,33 @@ mod tests {
     #[test]
     fn the_last_ones_are_known_again_and_older_ones_are_not() {
         let mut duplicates = DuplicateFilter::default();
-        let mut has = |crc32| duplicates.has(&disarm(0), crc32);
-        assert!(!has(0) && has(0));
+        let mut is_duplicate = |crc32| duplicates.is_duplicate(&disarm(0), crc32);
+        assert!(!is_duplicate(0) && is_duplicate(0));
         for crc32 in 1..=REMEMBERED as u32 {
-            assert!(!has(crc32) && has(crc32));
+            assert!(!is_duplicate(crc32) && is_duplicate(crc32));
         }
-        assert!(!has(0), "forgotten");
+        assert!(!is_duplicate(0), "forgotten");
     }
 
     #[test]
     fn a_copy_is_known_among_the_next_requests_and_not_when_the_numbers_have_come_round() {
         for first in [0, 40_000, u16::MAX] {
             let mut duplicates = DuplicateFilter::default();
-            assert!(!duplicates.has(&disarm(first), 7));
+            assert!(!duplicates.is_duplicate(&disarm(first), 7));
             let status = |sequence| Request { body: RequestBody::Status, ..disarm(sequence) };
             for later in (0..FORGOTTEN_AFTER).map(|later| first.wrapping_add(later)) {
-                duplicates.has(&status(later), 0);
+                duplicates.is_duplicate(&status(later), 0);
             }
-            duplicates.has(&status(first.wrapping_sub(FORGOTTEN_AFTER - 1)), 0);
+            duplicates.is_duplicate(&status(first.wrapping_sub(FORGOTTEN_AFTER - 1)), 0);
             assert!(
-                duplicates.has(&disarm(first), 7),
+                duplicates.is_duplicate(&disarm(first), 7),
                 "a late copy, after a late copy of an earlier request"
             );
-            duplicates.has(&Request { session: 2, ..status(first.wrapping_add(FORGOTTEN_AFTER)) }, 0);
-            assert!(duplicates.has(&disarm(first), 7), "another session has numbers of its own");
-            duplicates.has(&status(first.wrapping_add(FORGOTTEN_AFTER)), 0);
-            assert!(!duplicates.has(&disarm(first), 7), "another request of the same number");
+            duplicates
+                .is_duplicate(&Request { session: 2, ..status(first.wrapping_add(FORGOTTEN_AFTER)) }, 0);
+            assert!(duplicates.is_duplicate(&disarm(first), 7), "another session has numbers of its own");
+            duplicates.is_duplicate(&status(first.wrapping_add(FORGOTTEN_AFTER)), 0);
+            assert!(!duplicates.is_duplicate(&disarm(first), 7), "another request of the same number");
         }
     }
 }

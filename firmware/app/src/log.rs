@@ -1,13 +1,13 @@
-//! What the firmware tells a debug probe, with the feature `log`: how it starts, changes of the drive's mode, refused requests and
-//! damaged frames. An image without the feature has nothing of it. The control's interrupts tell nothing.
+//! What the firmware logs to a debug probe, with the feature `log`: how it starts, changes of the drive's mode, refused requests and
+//! damaged frames. An image without the feature has nothing of it. The interrupts of the control log nothing.
 
 use pneudrive_controller::Mode;
 use pneudrive_protocol::RequestRefusal;
 
-/// Tells, as `defmt` does: `tell!(error, "reset by fault {=u8}", code)`. A crate that uses it has the feature `log` and, with it, the
+/// Logs a line, as `defmt` does: `log!(error, "reset by fault {=u8}", code)`. A crate that uses it has the feature `log` and, with it, the
 /// dependency `defmt`.
 #[macro_export]
-macro_rules! tell {
+macro_rules! log {
     ($level:ident, $text:literal $(, $value:expr)* $(,)?) => {{
         #[cfg(feature = "log")]
         defmt::$level!($text $(, $value)*);
@@ -18,59 +18,59 @@ macro_rules! tell {
     }};
 }
 
-/// What was told last.
+/// What was logged last.
 #[derive(Debug, Default)]
-pub(crate) struct Told {
+pub(crate) struct LogState {
     mode: Option<Mode>,
     damaged_frames: u32,
 }
 
-impl Told {
-    /// Tells what is new.
-    pub(crate) fn news(&mut self, mode: Mode, damaged_frames: u32) {
+impl LogState {
+    /// Logs what has changed since the last call.
+    pub(crate) fn log_changes(&mut self, mode: Mode, damaged_frames: u32) {
         if self.mode.replace(mode) != Some(mode) {
-            tell_mode(mode);
+            log_mode(mode);
         }
         if self.damaged_frames != damaged_frames {
-            tell!(warn, "damaged frames: {=u32}", damaged_frames);
+            log!(warn, "damaged frames: {=u32}", damaged_frames);
             self.damaged_frames = damaged_frames;
         }
     }
 }
 
-fn tell_mode(mode: Mode) {
+fn log_mode(mode: Mode) {
     match mode {
-        Mode::Disarmed => tell!(info, "mode: disarmed"),
-        Mode::Armed => tell!(info, "mode: armed"),
-        Mode::Homing => tell!(info, "mode: homing"),
-        Mode::Running => tell!(info, "mode: running"),
-        Mode::Done => tell!(info, "mode: done"),
-        Mode::Fault(fault) => tell!(error, "mode: fault {=u8}", fault.code()),
+        Mode::Disarmed => log!(info, "mode: disarmed"),
+        Mode::Armed => log!(info, "mode: armed"),
+        Mode::Homing => log!(info, "mode: homing"),
+        Mode::Running => log!(info, "mode: running"),
+        Mode::Done => log!(info, "mode: done"),
+        Mode::Fault(fault) => log!(error, "mode: fault {=u8}", fault.code()),
     }
 }
 
-/// Tells why a request was not carried out.
-pub(crate) fn tell_refusal(refused: &RequestRefusal<'_>) {
+/// Logs why a request was not carried out.
+pub(crate) fn log_refusal(refused: &RequestRefusal<'_>) {
     match *refused {
-        RequestRefusal::NotNow(code) => tell!(warn, "refused: not now, code {=u8}", code),
-        RequestRefusal::UnknownParameter { id } => tell!(warn, "refused: no parameter {=u16}", id),
+        RequestRefusal::NotNow(code) => log!(warn, "refused: not now, code {=u8}", code),
+        RequestRefusal::UnknownParameter { id } => log!(warn, "refused: no parameter {=u16}", id),
         RequestRefusal::OutOfRange { id, value } => {
-            tell!(warn, "refused: {=i32} is out of range of parameter {=u16}", value, id);
+            log!(warn, "refused: {=i32} is out of range of parameter {=u16}", value, id);
         }
-        RequestRefusal::Inconsistent { advice } => tell!(warn, "refused: {=str}", advice),
-        RequestRefusal::TestTooLong => tell!(warn, "refused: test too long"),
-        RequestRefusal::MovesOutOfOrder => tell!(warn, "refused: moves out of order"),
-        RequestRefusal::TooManyMoves => tell!(warn, "refused: too many moves"),
-        RequestRefusal::NoRecord => tell!(warn, "refused: no record"),
+        RequestRefusal::Inconsistent { advice } => log!(warn, "refused: {=str}", advice),
+        RequestRefusal::TestTooLong => log!(warn, "refused: test too long"),
+        RequestRefusal::MovesOutOfOrder => log!(warn, "refused: moves out of order"),
+        RequestRefusal::TooManyMoves => log!(warn, "refused: too many moves"),
+        RequestRefusal::NoRecord => log!(warn, "refused: no record"),
         RequestRefusal::RecordRange { samples } => {
-            tell!(warn, "refused: the record has {=u32} samples", samples)
+            log!(warn, "refused: the record has {=u32} samples", samples)
         }
-        RequestRefusal::Unknown => tell!(warn, "refused: unknown request"),
-        RequestRefusal::NotStored => tell!(warn, "refused: the flash was not written"),
-        RequestRefusal::OtherRecord => tell!(warn, "refused: another record"),
-        RequestRefusal::Owned(_) => tell!(warn, "refused: another host commands the drive"),
-        RequestRefusal::ChangeNotWhole => tell!(warn, "refused: a part of the change is missing"),
-        RequestRefusal::OtherTest => tell!(warn, "refused: another test"),
-        RequestRefusal::OtherBoot { number } => tell!(warn, "refused: this is boot {=u32}", number),
+        RequestRefusal::Unknown => log!(warn, "refused: unknown request"),
+        RequestRefusal::NotStored => log!(warn, "refused: the flash was not written"),
+        RequestRefusal::OtherRecord => log!(warn, "refused: another record"),
+        RequestRefusal::Owned(_) => log!(warn, "refused: another host commands the drive"),
+        RequestRefusal::ChangeNotWhole => log!(warn, "refused: a part of the change is missing"),
+        RequestRefusal::OtherTest => log!(warn, "refused: another test"),
+        RequestRefusal::OtherBoot { number } => log!(warn, "refused: this is boot {=u32}", number),
     }
 }

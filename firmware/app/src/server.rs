@@ -25,7 +25,7 @@ use crate::board::Board;
 use crate::change::Parts;
 use crate::control::Control;
 use crate::duplicate_filter::DuplicateFilter;
-use crate::log::tell_refusal;
+use crate::log::log_refusal;
 use crate::recorder::Recorder;
 use crate::shared_drive::SharedDrive;
 use crate::store::Store;
@@ -143,7 +143,7 @@ impl Server {
             }
             let len = match self.answered {
                 Some((answered, len)) if answered == crc32 => len,
-                _ if of_this_boot.is_some_and(|now| self.duplicates.has(&now, crc32)) => continue,
+                _ if of_this_boot.is_some_and(|now| self.duplicates.is_duplicate(&now, crc32)) => continue,
                 _ => match answer(&request, drive, damaged, &mut self.talk, &mut self.reply) {
                     Some(len) => len,
                     None => continue,
@@ -229,7 +229,7 @@ fn answer(
         }
     };
     if let ReplyBody::Refused(refused) = &reply.body {
-        tell_refusal(refused);
+        log_refusal(refused);
     }
     encode_reply(&reply, frame).map(<[u8]>::len)
 }

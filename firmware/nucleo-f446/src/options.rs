@@ -1,13 +1,13 @@
 //! The option bytes, written once in the life of a board ([`pneudrive_plan::nucleo::options`]).
 
-use pneudrive_app::tell;
+use pneudrive_app::log;
 use pneudrive_plan::nucleo::options::{KEYS, with_highest_level};
 use stm32f4xx_hal::pac::FLASH;
 
 /// Has the chip held in reset from below 2.7 V on, if it is not yet. For the start: the drive is disabled.
 pub fn raise_brown_out_level(flash: &FLASH) {
     let Some(options) = with_highest_level(flash.optcr().read().bits()) else { return };
-    tell!(info, "brown-out level raised");
+    log!(info, "brown-out level raised");
     for key in KEYS {
         // SAFETY: the register takes any word; these two unlock the next one (RM0390, 3.6.2).
         flash.optkeyr().write(|w| unsafe { w.bits(key) });

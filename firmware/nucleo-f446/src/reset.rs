@@ -12,8 +12,8 @@ use core::ptr::{read_volatile, write_volatile};
 use cortex_m::peripheral::SCB;
 use cortex_m_rt::{ExceptionFrame, exception};
 use pneudrive_app::fault_log::Memory;
+use pneudrive_app::log;
 use pneudrive_app::runtime::reset::{CLOCK_FAILED, PANICKED, Reset, noted};
-use pneudrive_app::tell;
 use stm32f4xx_hal::pac::RCC;
 
 use crate::switch_off;
@@ -92,7 +92,7 @@ fn break_down(cause: u32, tell: impl FnOnce()) -> ! {
 fn panic(info: &PanicInfo<'_>) -> ! {
     break_down(PANICKED, || {
         if let Some(place) = info.location() {
-            tell!(error, "broke down at {=str}:{=u32}", place.file(), place.line());
+            log!(error, "broke down at {=str}:{=u32}", place.file(), place.line());
         }
     })
 }
@@ -101,7 +101,7 @@ fn panic(info: &PanicInfo<'_>) -> ! {
 // SAFETY: the attribute wants `unsafe`. It does not return, so it cannot disturb what it interrupted.
 #[exception]
 unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
-    break_down(PANICKED, || tell!(error, "fault of the processor at {=u32:#x}", frame.pc()))
+    break_down(PANICKED, || log!(error, "fault of the processor at {=u32:#x}", frame.pc()))
 }
 
 /// The clock has failed, and the clock security system has put the processor on its internal one (RM0390, 6.2.7). No
@@ -109,5 +109,5 @@ unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
 // SAFETY: as above.
 #[exception]
 unsafe fn NonMaskableInt() {
-    break_down(CLOCK_FAILED, || tell!(error, "the clock has failed"))
+    break_down(CLOCK_FAILED, || log!(error, "the clock has failed"))
 }

@@ -2,10 +2,10 @@
 
 use pneudrive_app::Board;
 use pneudrive_app::fault_log::{Memory, Recovery, Restored};
+use pneudrive_app::log;
 use pneudrive_app::runtime::reset::Reset;
 use pneudrive_app::storage::LayoutError;
 use pneudrive_app::store::FlashStore;
-use pneudrive_app::tell;
 use pneudrive_plan::nucleo::flash::layout;
 use stm32f4xx_hal::pac::{FLASH, GPIOA, RCC};
 use stm32f4xx_hal::rcc::{Config, Rcc, RccExt};
@@ -42,13 +42,13 @@ pub fn store(flash: FLASH, watchdog: Watchdog) -> Result<Store, LayoutError> {
     let memory = unsafe { reset::fault_memory() };
     let (store, recovery, restored) = FlashStore::take_up(KeptFlash::new(flash, watchdog), layout(), memory)?;
     match recovery {
-        Recovery::Lost => tell!(info, "fault log: none in memory"),
+        Recovery::Lost => log!(info, "fault log: none in memory"),
         Recovery::Kept { events, damaged } => {
-            tell!(info, "fault log: {=usize} events in memory, {=usize} damaged", events, damaged);
+            log!(info, "fault log: {=usize} events in memory, {=usize} damaged", events, damaged);
         }
     }
     if let Restored::Events(events) = restored {
-        tell!(info, "fault log: {=usize} events from flash", events);
+        log!(info, "fault log: {=usize} events from flash", events);
     }
     Ok(store)
 }
@@ -59,7 +59,7 @@ pub fn take_up(control: &mut Control, board: &mut impl Board, reset: &Reset) {
         control.set_referenced().unwrap_or_else(|_| panic!("a new drive is disarmed"));
     }
     if let Some(fault) = reset.fault() {
-        tell!(error, "reset by fault {=u8}", fault.code());
+        log!(error, "reset by fault {=u8}", fault.code());
         control.trip(fault);
     }
     control.take_up(board);

@@ -102,7 +102,7 @@ mod app {
     fn idle(mut context: idle::Context) -> ! {
         loop {
             if context.local.talk.round(&mut context.shared.drive).is_err() {
-                pneudrive_app::tell!(error, "the fault log can't be stored before the next reset");
+                pneudrive_app::log!(error, "the fault log can't be stored before the next reset");
             }
         }
     }

@@ -15,7 +15,7 @@ use pneudrive_app::runtime::reset::{CLOCK_FAILED, PANICKED, Reset, noted};
 use rp235x_hal::pac::{POWMAN, SIO};
 
 use crate::scratch;
-use pneudrive_app::tell;
+use pneudrive_app::log;
 
 /// The pin of `drive_enable`, which `start` makes an output.
 const ENABLE_PIN: u8 = 8;
@@ -69,14 +69,14 @@ fn break_down(cause: u32, tell: impl FnOnce()) -> ! {
 
 /// Crystal and ring oscillator disagree.
 pub fn clock_failed() -> ! {
-    break_down(CLOCK_FAILED, || tell!(error, "the crystal and the ring oscillator disagree"))
+    break_down(CLOCK_FAILED, || log!(error, "the crystal and the ring oscillator disagree"))
 }
 
 #[panic_handler]
 fn panic(info: &PanicInfo<'_>) -> ! {
     break_down(PANICKED, || {
         if let Some(place) = info.location() {
-            tell!(error, "broke down at {=str}:{=u32}", place.file(), place.line());
+            log!(error, "broke down at {=str}:{=u32}", place.file(), place.line());
         }
     })
 }
@@ -85,5 +85,5 @@ fn panic(info: &PanicInfo<'_>) -> ! {
 // SAFETY: the attribute wants `unsafe`. It does not return, so it cannot disturb what it interrupted.
 #[exception]
 unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
-    break_down(PANICKED, || tell!(error, "fault of the processor at {=u32:#x}", frame.pc()))
+    break_down(PANICKED, || log!(error, "fault of the processor at {=u32:#x}", frame.pc()))
 }

@@ -23,7 +23,7 @@ use crate::port::Port;
 use crate::scratch::KeptSpool;
 use crate::watchdog::Watchdog;
 use crate::{Control, Drive, Talk, oscillators, reset, spi};
-use pneudrive_app::tell;
+use pneudrive_app::log;
 
 /// The longest piece of a request to an enabled drive, microseconds: the 2,400 instructions of docs/firmware-figures.md at
 /// six cycles each and 128 MHz. Not measured on this board.
@@ -112,7 +112,7 @@ pub fn start(mut device: Peripherals, recorder: &'static mut Recorder) -> (Drive
         enabled_us: 0,
     };
     if let Some(fault) = reset.fault() {
-        tell!(error, "reset by fault {=u8}", fault.code());
+        log!(error, "reset by fault {=u8}", fault.code());
         control.trip(fault);
     }
     control.take_up(&mut board);
@@ -132,13 +132,13 @@ fn store(watchdog: Watchdog) -> Store {
     let (store, recovery, restored) =
         taken_up.unwrap_or_else(|_| panic!("the plan's layout is that of this flash"));
     match recovery {
-        Recovery::Lost => tell!(info, "fault log: none in memory"),
+        Recovery::Lost => log!(info, "fault log: none in memory"),
         Recovery::Kept { events, damaged } => {
-            tell!(info, "fault log: {=usize} events in memory, {=usize} damaged", events, damaged);
+            log!(info, "fault log: {=usize} events in memory, {=usize} damaged", events, damaged);
         }
     }
     if let Restored::Events(events) = restored {
-        tell!(info, "fault log: {=usize} events from flash", events);
+        log!(info, "fault log: {=usize} events from flash", events);
     }
     store
 }

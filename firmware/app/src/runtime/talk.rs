@@ -14,7 +14,7 @@ use super::drive::{ClockedBoard, Drive};
 use crate::board::Board;
 use crate::control::Control;
 use crate::inputs;
-use crate::log::Told;
+use crate::log::LogState;
 use crate::recorder::Recorder;
 use crate::server::Server;
 use crate::shared_drive::SharedDrive;
@@ -100,13 +100,13 @@ pub struct Talk<P, W> {
     watchdog: W,
     /// The flash has refused; it is not worn out by trying again and again.
     flash_refuses: bool,
-    told: Told,
+    log: LogState,
 }
 
 impl<P: Port, W: Watchdog> Talk<P, W> {
     /// A task that has nothing to say yet.
     pub fn new(port: P, watchdog: W) -> Talk<P, W> {
-        Talk { server: Server::default(), port, watchdog, flash_refuses: false, told: Told::default() }
+        Talk { server: Server::default(), port, watchdog, flash_refuses: false, log: LogState::default() }
     }
 
     /// One round of the idle task.
@@ -123,7 +123,7 @@ impl<P: Port, W: Watchdog> Talk<P, W> {
         }
         if cfg!(feature = "log") {
             let mode = drive.lock(|drive| drive.parts().0.state().supervisor.mode());
-            self.told.news(mode, self.server.damaged_frames());
+            self.log.log_changes(mode, self.server.damaged_frames());
         }
         if !drive.lock(D::has_run) {
             return Ok(());
