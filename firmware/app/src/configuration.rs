@@ -110,13 +110,14 @@ impl Configuration {
         true
     }
 
-    /// Puts other parameters in force. What was learned is still to be stored if they are the same, as with a new test alone.
+    /// Puts other parameters in force. A learned null offset is still stored by itself if they are the same, as with a new test alone.
     pub fn replace(&mut self, prepared: Prepared) {
         self.learned &= prepared.hash == self.in_force.hash;
         self.in_force = prepared;
     }
 
-    /// Puts other move records in force. What was learned then waits for a save: it would take them along, which nobody has asked for.
+    /// Puts other move records in force. A learned null offset is no longer stored by itself if they differ: that would store the
+    /// records as well, and nobody has asked for it. It waits for the next save.
     #[cold]
     #[inline(never)]
     pub fn replace_records(&mut self, records: MoveRecords) {

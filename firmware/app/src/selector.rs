@@ -40,21 +40,21 @@ pub(crate) enum Phase {
     InPosition,
 }
 
-/// A start that has counted, and for how long its number has stayed.
+/// A start that waits for its number: the inputs at its edge, and for how long they have not changed since.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Pending {
     inputs: u8,
     waited_us: u32,
 }
 
-/// The result of a reading.
+/// The events that a reading of the inputs completes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct InputEvents {
-    /// Acknowledge has gone on.
+    /// The acknowledge contact has closed.
     pub acknowledges: bool,
-    /// The number that a start has selected, once it has settled.
+    /// A start is valid: the number that was constant for the settling time.
     pub starts: Option<u8>,
-    /// A start has not settled.
+    /// A start is void: an input has changed within the settling time.
     pub unsettled: bool,
 }
 
