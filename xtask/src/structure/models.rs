@@ -1,7 +1,7 @@
 //! Models of a component of which each has a file: no other source names one. All else asks a model through the trait of
 //! its component, so that a model more is a file and its line in `models!`.
 //!
-//! Refused are the variant (`ValveKind::FlowNode`), and the word of the rig file as a literal (`"flow-node"`, in the crate of the
+//! Refused are the variant of the list's enumeration (`ValveKind::FlowNode`), and the word of the rig file as a literal (`"flow-node"`, in the crate of the
 //! list) or as a setting (`valve.model=flow-node`, in all crates).
 
 use std::path::Path;
@@ -14,8 +14,22 @@ use syn::Item;
 use super::module::{Modules, Name};
 use super::paths::shown;
 
-/// A component with a list of models: its crate, the module of the list, and the key that has their words.
-const COMPONENTS: [(&str, &[&str], &str); 1] = [("sim", &["component", "valve", "model"], "valve.model")];
+/// A component with a list of models.
+struct Component {
+    /// Its crate.
+    home: &'static str,
+    /// The module of the list.
+    list: &'static [&'static str],
+    /// The key that has their words.
+    key: &'static str,
+    /// The enumeration of them.
+    kind: &'static str,
+}
+
+const COMPONENTS: [Component; 2] = [
+    Component { home: "sim", list: &["component", "valve", "model"], key: "valve.model", kind: "ValveKind" },
+    Component { home: "sim", list: &["component", "friction"], key: "load.friction", kind: "FrictionKind" },
+];
 
 /// A model as its list has it.
 struct Model {
@@ -30,7 +44,8 @@ struct Model {
 /// When a source cannot be read, or a list is not found.
 pub fn named_elsewhere(root: &Path, crates: &[&str]) -> Result<Vec<String>> {
     let mut broken = Vec::new();
-    for (home, list, key) in COMPONENTS {
+    for component in &COMPONENTS {
+        let &Component { home, list, .. } = component;
         let at_home = Modules::read(&root.join(home).join("src"))?;
         let list: Name = list.iter().map(|step| (*step).to_owned()).collect();
         let models =
@@ -38,7 +53,7 @@ pub fn named_elsewhere(root: &Path, crates: &[&str]) -> Result<Vec<String>> {
         for folder in crates {
             let is_home = *folder == home;
             let modules = if is_home { &at_home } else { &Modules::read(&root.join(folder).join("src"))? };
-            let found = in_crate(modules, &models, is_home.then_some(&list), key);
+            let found = in_crate(modules, &models, is_home.then_some(&list), component);
             broken.extend(found.into_iter().map(|text| format!("{folder}: {text}")));
         }
     }
@@ -46,7 +61,7 @@ pub fn named_elsewhere(root: &Path, crates: &[&str]) -> Result<Vec<String>> {
 }
 
 /// What names a model in the modules of a crate; `list` is the module of the list, if it is in this crate.
-fn in_crate(modules: &Modules, models: &[Model], list: Option<&Name>, key: &str) -> Vec<String> {
+fn in_crate(modules: &Modules, models: &[Model], list: Option<&Name>, component: &Component) -> Vec<String> {
     let mut broken = Vec::new();
     for (name, module) in &modules.0 {
         let own = list.and_then(|list| name.strip_prefix(&list[..]));
@@ -57,8 +72,8 @@ fn in_crate(modules: &Modules, models: &[Model], list: Option<&Name>, key: &str)
         let mut tokens = Vec::new();
         module.items.iter().for_each(|item| flatten(item.to_token_stream(), &mut tokens));
         for model in models.iter().filter(|model| own != Some(&model.file)) {
-            if names(&tokens, model, list.is_some(), key) {
-                broken.push(format!("{} names the model {:?} of {key}", shown(name), model.word));
+            if names(&tokens, model, list.is_some(), component) {
+                broken.push(format!("{} names the model {:?} of {}", shown(name), model.word, component.key));
             }
         }
     }
@@ -66,11 +81,11 @@ fn in_crate(modules: &Modules, models: &[Model], list: Option<&Name>, key: &str)
 }
 
 /// Whether the tokens name a model.
-fn names(tokens: &[String], model: &Model, is_home: bool, key: &str) -> bool {
-    let word = &model.word;
+fn names(tokens: &[String], model: &Model, is_home: bool, component: &Component) -> bool {
+    let (word, key) = (&model.word, component.key);
     let literal = format!("{word:?}");
     let settings = [format!("{key}={word}"), format!("{key} = \\\"{word}"), format!("{key}=\\\"{word}")];
-    let variant = ["ValveKind", ":", ":", &model.variant];
+    let variant = [component.kind, ":", ":", &model.variant];
     tokens.windows(variant.len()).any(|some| some == variant)
         || tokens.iter().filter(|token| token.starts_with('"')).any(|token| {
             (is_home && *token == literal) || settings.iter().any(|setting| token.contains(setting.as_str()))
@@ -85,7 +100,7 @@ fn listed(modules: &Modules, name: &Name) -> Option<Vec<Model>> {
     });
     let mut tokens = Vec::new();
     flatten(lists.next_back()?, &mut tokens);
-    // "word" => Variant(file), ...
+    // "word" => Variant(file), ... or "word" => Variant(file::Type), ...
     let lines = tokens.windows(5).filter(|some| some[1] == "=" && some[2] == ">");
     let model = |some: &[String]| Model {
         word: some[0].trim_matches('"').to_owned(),
@@ -120,15 +135,22 @@ mod tests {
         models! { "plain-bore" => Plain(plain), "A bore."; }
     "#;
 
+    const FRICTIONS: &str = r#"
+        mod dry;
+        models! { "none-at-all" => Dry(dry::None), "Nothing."; }
+    "#;
+
     /// What is found in a crate `sim` whose module `network` is this text, and in a crate `host` of that one.
     fn found(network: &str, host: &str) -> Vec<String> {
         let folder = tempfile::tempdir().expect("a folder");
         for (path, text) in [
             ("sim/src/lib.rs", "mod component; mod network;"),
-            ("sim/src/component.rs", "mod valve;"),
+            ("sim/src/component.rs", "mod valve; mod friction;"),
             ("sim/src/component/valve.rs", "mod model;"),
             ("sim/src/component/valve/model.rs", LIST),
             ("sim/src/component/valve/model/plain.rs", "const MODEL: ValveKind = ValveKind::Plain;"),
+            ("sim/src/component/friction.rs", FRICTIONS),
+            ("sim/src/component/friction/dry.rs", "const MODEL: FrictionKind = FrictionKind::Dry;"),
             ("sim/src/network.rs", network),
             ("host/src/lib.rs", host),
         ] {
@@ -152,6 +174,13 @@ mod tests {
             assert_eq!(found.len(), 1, "{network}{host}: {found:?}");
             assert!(found[0].ends_with("names the model \"plain-bore\" of valve.model"), "{found:?}");
         }
+    }
+
+    #[test]
+    fn a_model_of_another_list_is_found_as_well() {
+        let told = "sim: network names the model \"none-at-all\" of load.friction";
+        assert_eq!(found("fn of(f: FrictionKind) -> bool { f == FrictionKind::Dry }", ""), [told]);
+        assert_eq!(found("const SETTING: &str = \"load.friction=none-at-all\";", ""), [told]);
     }
 
     #[test]
