@@ -91,8 +91,8 @@ pub enum Kind {
     Tables(&'static Tables),
     /// Text.
     Text,
-    /// No equation has it; only the default is accepted.
-    NotBuilt,
+    /// No equation has it: only the default is accepted.
+    DefaultOnly,
 }
 
 /// The value of a key that the file does not have.
@@ -229,9 +229,10 @@ impl<T> Typed<T> {
         Typed { key: Key { spread: true, ..self.key }, ..self }
     }
 
+    /// A key of the thesis that no equation here has.
     #[must_use]
-    pub(crate) const fn not_built(self) -> Self {
-        Typed { key: Key { kind: Kind::NotBuilt, ..self.key }, ..self }
+    pub(crate) const fn default_only(self) -> Self {
+        Typed { key: Key { kind: Kind::DefaultOnly, ..self.key }, ..self }
     }
 }
 

@@ -257,7 +257,7 @@ fn is_alike(rig: &str, key: &Key) -> bool {
 fn has_other_values(key: &Key) -> bool {
     match key.kind {
         Kind::Choice(words) => words.iter().filter(|(_, built)| *built).count() > 1,
-        kind => kind != Kind::NotBuilt,
+        kind => kind != Kind::DefaultOnly,
     }
 }
 

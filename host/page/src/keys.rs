@@ -42,7 +42,7 @@ fn kind(kind: &Kind) -> Value {
         Kind::Integers { .. } | Kind::Numbers { .. } | Kind::Rows { .. } | Kind::Moves | Kind::Tables(_) => {
             json!({ "type": "list" })
         }
-        Kind::NotBuilt => json!({ "type": "not-built" }),
+        Kind::DefaultOnly => json!({ "type": "default-only" }),
     }
 }
 

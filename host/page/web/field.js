@@ -70,7 +70,7 @@ export class Field {
     if (kind.type === 'choice') return this.#choice(described, kind.options);
     if (kind.type === 'switch') return this.#switch(described);
     const text = { ...described, type: 'text', autocomplete: 'off', spellcheck: 'false', inputmode: 'text' };
-    const input = html('input', { ...text, readonly: kind.type === 'not-built', placeholder: value ? null : 'none' });
+    const input = html('input', { ...text, readonly: kind.type === 'default-only', placeholder: value ? null : 'none' });
     input.addEventListener('input', () => this.#callbacks.changed(this.#key, input.value.trim() || null, false));
     input.addEventListener('change', () => this.#callbacks.changed(this.#key, input.value.trim() || null, true));
     return input;

@@ -290,7 +290,7 @@ fn type_of(kind: &Kind, preset: &Preset) -> String {
         Kind::Rows { .. } => "list[list[float]]",
         Kind::Moves => "list[tuple[float, int]]",
         Kind::Tables(_) => "list[dict[str, Any]]",
-        Kind::NotBuilt => match preset {
+        Kind::DefaultOnly => match preset {
             Preset::Switch(_) => "bool",
             _ => "float",
         },

@@ -46,7 +46,7 @@ keys! {
     PORT_DIAMETER_MM: f64 = number("valve.port_diameter_mm", 3.3, 0.01, 500.0, "C(39)", "Bore of the ports.").of(WITH_NODES);
     DISCHARGE_SUPPLY: f64 = number("valve.discharge_supply", 0.8, 0.01, 1.0, "C(11)", "Coefficient of discharge of the supply lands and the ports.").of(WITH_AREAS).spread();
     DISCHARGE_EXHAUST: f64 = number("valve.discharge_exhaust", 0.8, 0.01, 1.0, "C(12)", "Coefficient of discharge of the exhaust lands.").of(WITH_AREAS).spread();
-    DISCHARGE_REVERSE: f64 = number("valve.discharge_reverse", 1.0, 0.01, 1.0, "C(58)", "Multiplier of the coefficient of discharge for reverse flow.").not_built();
+    DISCHARGE_REVERSE: f64 = number("valve.discharge_reverse", 1.0, 0.01, 1.0, "C(58)", "Multiplier of the coefficient of discharge for reverse flow.").default_only();
     UPSTREAM_MACH: bool = switch("valve.upstream_mach", true, "", "Whether the speed counts at which a tube brings air to the ports of flow nodes; false sets every upstream Mach number to zero.").of(WITH_NODES);
     TURBULENCE: f64 = number("valve.turbulence", 1.0, 0.0, 1.0, "C(54)", "Every upstream Mach number is multiplied by it; 0 is upstream_mach = false.").of(WITH_NODES);
     NULL_OFFSET_MM: f64 = number("valve.null_offset_mm", 0.0, -10.0, 10.0, "", "Spool position at which the valve is at its null.").of(WITH_SPOOL);

@@ -107,7 +107,7 @@ pub fn range_in_words(kind: &Kind) -> String {
             format!("tables [[{}]], each with {chooser}, at_s and the fields of its {chooser}", list.path)
         }
         Kind::Text => "text".to_owned(),
-        Kind::NotBuilt => "the default alone: no equation here has it".to_owned(),
+        Kind::DefaultOnly => "the default alone: no equation here has it".to_owned(),
     }
 }
 

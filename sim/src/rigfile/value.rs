@@ -65,7 +65,7 @@ pub(super) fn value_of(key: &Key, item: &Item) -> Result<Value, String> {
         Kind::Numbers { count } => numbers(item, count),
         Kind::Rows { columns, max_rows } => rows(item, columns, max_rows),
         Kind::Moves => moves(item),
-        Kind::NotBuilt => not_built(key, item),
+        Kind::DefaultOnly => default_only(key, item),
         Kind::Tables(_) => Err("must be a list of tables".to_owned()),
     }
 }
@@ -179,7 +179,7 @@ fn moves(item: &Item) -> Result<Value, String> {
 }
 
 /// A key that no equation has takes its default and nothing else.
-fn not_built(key: &Key, item: &Item) -> Result<Value, String> {
+fn default_only(key: &Key, item: &Item) -> Result<Value, String> {
     let given = match key.preset {
         Preset::Number(_) => real(item).map(Value::Number),
         Preset::Switch(_) => item.as_bool().map(Value::Switch),

@@ -15,7 +15,7 @@ use crate::key::keys;
 use crate::values::Rig;
 
 keys! {
-    VELOCITY_THRESHOLD_M_S: f64 = number("load.velocity_threshold_m_s", 1e-5, 0.0, 1.0, "C(24)", "Velocity below which the thesis's model sticks; here sticking is an event at exactly zero.").not_built();
+    VELOCITY_THRESHOLD_M_S: f64 = number("load.velocity_threshold_m_s", 1e-5, 0.0, 1.0, "C(24)", "Velocity below which the thesis's model sticks; here sticking is an event at exactly zero.").default_only();
 }
 
 impl FrictionModel for DryFriction {

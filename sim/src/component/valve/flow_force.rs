@@ -59,7 +59,7 @@ keys! {
     FLOW_FORCE: FlowForceKind = choice("valve.flow_force", "L(16)=4,5", "Force of the flow on the spool.");
     FLOW_FORCE_INLET: Option<Vec<f64>> = optional_numbers("valve.flow_force_inlet", 12, "a stand-in fitted to the force of a free jet; Louis and Logan's coefficients are not published in the thesis", "6.34", "C_Fin: coefficients of the powers 0 to 11 of the opening, for the experimental flow force of air that goes in.");
     FLOW_FORCE_OUTLET: Option<Vec<f64>> = optional_numbers("valve.flow_force_outlet", 12, "as flow_force_inlet", "6.34", "C_Fout: the same for air that comes out.");
-    LAND_LENGTH_M: f64 = number("valve.land_length_m", 0.01, 0.0, 1.0, "C(70)", "Length of the lands: it weighs the rates of change of the mass flows, which the flow forces leave out.").not_built();
+    LAND_LENGTH_M: f64 = number("valve.land_length_m", 0.01, 0.0, 1.0, "C(70)", "Length of the lands: it weighs the rates of change of the mass flows, which the flow forces leave out.").default_only();
 }
 
 impl FlowForce {
