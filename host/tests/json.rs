@@ -297,8 +297,8 @@ fn figures_of_analyses() {
     assert!(speed(best) >= speed(1 - best) && rows["rows"][1]["levels"]["load.mass_kg"] == 2.0, "{rows}");
     assert_eq!(result(at, "merge", "one --out merged")["rows"], rows["rows"]);
     let short = "--set test.duration_s=0.3 --set test.moves=[[0.0,8192],[0.05,13171]]";
-    let rungs = result(at, "ladder", &format!("servo-b-tuned {short} --ensemble 1 --out ladder"));
-    assert_eq!(rungs["rungs"][0]["model"], "complete");
+    let variants = result(at, "ladder", &format!("servo-b-tuned {short} --ensemble 1 --out ladder"));
+    assert_eq!(variants["variants"][0]["model"], "complete");
     let tuned = result(at, "tune", "servo-a-tuned --generations 0 --draws 4 --settled 1 --out tuned");
     assert_eq!((&tuned["before"]["of"], tuned["changed"].as_bool()), (&Value::from(4), Some(false)));
     let curves = result(at, "characterise", "servo-b pressure-gain --out curves");

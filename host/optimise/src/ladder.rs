@@ -1,7 +1,7 @@
-//! The ladder of fidelity: the cost and the effect of each model of a component (thesis 8.3).
+//! The models of each component compared: their cost and their effect (thesis 8.3).
 //!
 //! The reference is the rig with all that its file leaves out or simplifies switched on, as far as no figure is
-//! needed that the file lacks. On each rung one component has another model. Costs are counted: evaluations of
+//! needed that the file lacks. In each variant one component has another model. Costs are counted: evaluations of
 //! the right-hand side and solutions of the flows, times of this machine beside them.
 
 use std::time::Duration;
@@ -65,12 +65,12 @@ const COMPONENTS: [Component; 8] = [
     ("controller", &[("sampled", &[]), ("continuous", &["controller.model=continuous"])]),
 ];
 
-/// Times that a rung and the reference are run for their times.
+/// How often a variant and the reference are run for their times.
 const TIMES: usize = 3;
 
-/// A model of a component, run.
+/// A rig in which one component has another model than the reference, and what its run has cost and changed.
 #[derive(Clone, Debug)]
-pub struct Rung {
+pub struct Variant {
     /// The component; "" for the whole rig.
     pub component: &'static str,
     /// Its model.
@@ -91,7 +91,7 @@ pub struct Rung {
     pub convergence: Convergence,
 }
 
-/// The runs of a rung.
+/// A variant that is to be run.
 #[derive(Clone, Debug)]
 struct Plan {
     component: &'static str,
@@ -99,42 +99,42 @@ struct Plan {
     rig: Rig,
 }
 
-/// The rungs of a rig: the reference first, then the file's own models, then each other model of each component, each
-/// with its perturbed runs. `clock` gives the time since some instant; `progress` receives the rungs done and all rungs.
+/// Runs the variants of a rig: the reference first, then the file's own models, then each other model of each component,
+/// each with its perturbed runs. `clock` gives the time since some instant; `progress` receives the variants done and all.
 ///
 /// # Errors
-/// When a rung cannot be simulated, or `progress` wants no more.
-pub fn climb(
+/// When a variant cannot be simulated, or `progress` wants no more.
+pub fn compare(
     source: &(String, String),
     settings: &[String],
     spacing: Spacing,
     clock: impl Fn() -> Duration,
     mut progress: impl FnMut(usize, usize) -> Result<()>,
-) -> Result<Vec<Rung>> {
+) -> Result<Vec<Variant>> {
     let plans = plans(source, settings)?;
     let mut runs = Vec::with_capacity(plans.len());
     for plan in &plans {
-        runs.push(Climbed::of(plan, &plans[0], spacing, &clock)?);
+        runs.push(Runs::of(plan, &plans[0], spacing, &clock)?);
         progress(runs.len(), plans.len())?;
     }
     let references = runs[0].transients.clone();
-    let mut rungs: Vec<Rung> =
-        plans.iter().zip(runs).map(|(plan, climbed)| climbed.rung(plan, &references)).collect();
+    let mut variants: Vec<Variant> =
+        plans.iter().zip(runs).map(|(plan, runs)| runs.compared(plan, &references)).collect();
     // The effect of the perturbed runs alone: a difference of a model that is no larger says nothing.
-    rungs[0].deviations = references.iter().map(|other| deviations(&references[0], other)).collect();
-    Ok(rungs)
+    variants[0].deviations = references.iter().map(|other| deviations(&references[0], other)).collect();
+    Ok(variants)
 }
 
-/// A rung that has been run.
-struct Climbed {
+/// The runs of a variant.
+struct Runs {
     nominal: Judged,
     time_over_reference: [f64; 3],
     /// The nominal one and its perturbed runs'.
     transients: Vec<Transient>,
 }
 
-impl Climbed {
-    fn of(plan: &Plan, reference: &Plan, spacing: Spacing, clock: &impl Fn() -> Duration) -> Result<Climbed> {
+impl Runs {
+    fn of(plan: &Plan, reference: &Plan, spacing: Spacing, clock: &impl Fn() -> Duration) -> Result<Runs> {
         let name = if plan.component.is_empty() {
             plan.model.to_owned()
         } else {
@@ -154,14 +154,14 @@ impl Climbed {
         if let Some(why) = ensemble.nominal.lost.failed.first() {
             bail!("{name}: a perturbed run cannot be simulated; write a smaller --change: {why}");
         }
-        Ok(Climbed { nominal: ensemble.nominal, time_over_reference, transients: ensemble.measured })
+        Ok(Runs { nominal: ensemble.nominal, time_over_reference, transients: ensemble.measured })
     }
 
-    fn rung(mut self, plan: &Plan, references: &[Transient]) -> Rung {
+    fn compared(mut self, plan: &Plan, references: &[Transient]) -> Variant {
         let run = &self.nominal.run;
         let samples = run.observations.len().max(1) as f64;
         let pairs = references.iter().zip(&self.transients);
-        Rung {
+        Variant {
             component: plan.component,
             model: plan.model,
             evaluations: run.work.integrator.n_rhs_evaluations as f64 / samples,
@@ -230,7 +230,7 @@ fn has_areas(rig: &Rig) -> bool {
     rig.get(&keys::valve::MODEL).facts().has_areas()
 }
 
-/// The rungs of the other ones of the models that a key chooses among.
+/// The variants with the other models that a key chooses among.
 fn others<C: Choice>(
     reference: &Rig,
     component: &'static str,
@@ -257,7 +257,7 @@ fn applies(rig: &Rig, settings: &[&str]) -> bool {
     })
 }
 
-/// [`Rung::time_over_reference`]. Whatever else the machine does meets both runs of a pair, or shows as a range.
+/// [`Variant::time_over_reference`]. Whatever else the machine does meets both runs of a pair, or shows as a range.
 fn timed(plan: &Plan, reference: &Plan, clock: &impl Fn() -> Duration) -> Result<[f64; 3]> {
     let once = |plan: &Plan| {
         let begun = clock();
@@ -280,20 +280,20 @@ fn ratios(pairs: &[[f64; 2]]) -> [f64; 3] {
 
 /// The page.
 #[must_use]
-pub fn page(name: &str, rungs: &[Rung]) -> Page {
+pub fn page(name: &str, variants: &[Variant]) -> Page {
     let cost = Figure {
         heading: "what a model costs, and what it changes".to_owned(),
         across: "evaluations of the right-hand side per sample".to_owned(),
         panels: vec![Panel {
             title: "largest difference of the position, mm".to_owned(),
-            curves: rungs[1..].iter().map(place).collect(),
+            curves: variants[1..].iter().map(place).collect(),
             ..Panel::default()
         }],
         ..Figure::default()
     };
     let drawn = [POSITION, PRESSURES[0], PRESSURES[1]].map(|channel| {
-        let curves = rungs.iter().zip(COLOURS.iter().cycle()).map(|(rung, colour)| {
-            let transient = &rung.transient;
+        let curves = variants.iter().zip(COLOURS.iter().cycle()).map(|(variant, colour)| {
+            let transient = &variant.transient;
             let (x, y) = (transient.time.clone(), transient.channels[channel].clone());
             Curve { colour: Some(colour), ..Curve::new(&transient.name, x, y) }
         });
@@ -301,37 +301,37 @@ pub fn page(name: &str, rungs: &[Rung]) -> Page {
     });
     let transients = Figure { heading: "the transients".to_owned(), ..Figure::over_time(drawn.to_vec()) };
     Page {
-        title: format!("{name}: the ladder of fidelity"),
+        title: format!("{name}: the models of its components"),
         notes: vec![
-            "The reference has every model in the most complete form for which the rig file has figures. On each rung one component has another model, with defaults for the keys that the file lacks; its transient is compared with that of the reference. In closed loop the controller reduces a difference of the position; --set controller.loop=open, with moves as commands, shows it without a controller.".to_owned(),
+            "The reference has every model in the most complete form for which the rig file has figures. In each variant one component has another model, with defaults for the keys that the file lacks; its transient is compared with that of the reference. In closed loop the controller reduces a difference of the position; --set controller.loop=open, with moves as commands, shows it without a controller.".to_owned(),
             "In brackets: the range over perturbed runs of both, whose mass and starting position differ very slightly. The first row shows how far the perturbed runs of the reference are from it: a difference of that size says nothing about a model.".to_owned(),
-            format!("Evaluations and iterations are counted and the same on every machine. Times are of the machine that made this page, relative to the reference, which was run beside each rung: the ratio of the shortest of {TIMES} runs of both and, in brackets, the least and the largest ratio of a pair. A wide range means that the machine was busy."),
+            format!("Evaluations and iterations are counted and the same on every machine. Times are of the machine that made this page, relative to the reference, which was run beside each variant: the ratio of the shortest of {TIMES} runs of both and, in brackets, the least and the largest ratio of a pair. A wide range means that the machine was busy."),
         ],
-        tables: vec![table(rungs)],
+        tables: vec![table(variants)],
         figures: vec![cost, transients],
         ..Page::default()
     }
 }
 
-fn place(rung: &Rung) -> Curve {
-    let x = vec![rung.evaluations];
-    Curve { look: Look::Points, ..Curve::new(&rung.transient.name, x, vec![largest(rung, POSITION)]) }
+fn place(variant: &Variant) -> Curve {
+    let x = vec![variant.evaluations];
+    Curve { look: Look::Points, ..Curve::new(&variant.transient.name, x, vec![largest(variant, POSITION)]) }
 }
 
 /// A figure of the deviation of a channel, in each run of the ensemble.
-fn figures(rung: &Rung, channel: usize, figure: impl Fn(&Deviation) -> f64) -> Vec<Option<f64>> {
+fn figures(variant: &Variant, channel: usize, figure: impl Fn(&Deviation) -> f64) -> Vec<Option<f64>> {
     let of =
         |found: &Vec<Deviation>| found.iter().find(|one| one.channel == CHANNELS[channel].0).map(&figure);
-    rung.deviations.iter().map(of).collect()
+    variant.deviations.iter().map(of).collect()
 }
 
-fn largest(rung: &Rung, channel: usize) -> f64 {
-    figures(rung, channel, |one| one.largest).first().copied().flatten().unwrap_or(f64::NAN)
+fn largest(variant: &Variant, channel: usize) -> f64 {
+    figures(variant, channel, |one| one.largest).first().copied().flatten().unwrap_or(f64::NAN)
 }
 
-/// The rungs in figures.
+/// The variants in figures.
 #[must_use]
-pub fn table(rungs: &[Rung]) -> Table {
+pub fn table(variants: &[Variant]) -> Table {
     let columns = [
         "component",
         "model",
@@ -344,24 +344,24 @@ pub fn table(rungs: &[Rung]) -> Table {
         "P2 rms, kPa",
         "converged",
     ];
-    let rms = |rung: &Rung, channel: usize, decimals: usize| {
-        with_range(&figures(rung, channel, |one| one.mean_square.sqrt()), decimals)
+    let rms = |variant: &Variant, channel: usize, decimals: usize| {
+        with_range(&figures(variant, channel, |one| one.mean_square.sqrt()), decimals)
     };
-    let row = |rung: &Rung| {
+    let row = |variant: &Variant| {
         vec![
-            if rung.component.is_empty() { "all".to_owned() } else { rung.component.to_owned() },
-            rung.model.to_owned(),
-            format!("{:.1}", rung.evaluations),
-            format!("{:.1}", rung.flow_iterations),
-            with_range(&rung.time_over_reference.map(|time| Some(100.0 * time)), 0),
-            rms(rung, POSITION, 4),
-            with_range(&figures(rung, POSITION, |one| one.largest), 4),
-            rms(rung, PRESSURES[0], 3),
-            rms(rung, PRESSURES[1], 3),
-            if rung.convergence.is_converged() { "yes" } else { "no" }.to_owned(),
+            if variant.component.is_empty() { "all".to_owned() } else { variant.component.to_owned() },
+            variant.model.to_owned(),
+            format!("{:.1}", variant.evaluations),
+            format!("{:.1}", variant.flow_iterations),
+            with_range(&variant.time_over_reference.map(|time| Some(100.0 * time)), 0),
+            rms(variant, POSITION, 4),
+            with_range(&figures(variant, POSITION, |one| one.largest), 4),
+            rms(variant, PRESSURES[0], 3),
+            rms(variant, PRESSURES[1], 3),
+            if variant.convergence.is_converged() { "yes" } else { "no" }.to_owned(),
         ]
     };
-    Table::new("models of the components, one at a time", columns, rungs.iter().map(row))
+    Table::new("models of the components, one at a time", columns, variants.iter().map(row))
 }
 
 #[cfg(test)]
@@ -379,15 +379,15 @@ mod tests {
             let plans = plans(&source(name), &[]).unwrap_or_else(|error| panic!("{name}: {error:#}"));
             assert_eq!((plans[0].model, plans[1].model), ("complete", "as in the file"));
             assert!(plans.len() >= 6, "{name}: {}", plans.len());
-            for rung in &plans[2..] {
+            for variant in &plans[2..] {
                 let value = |rig: &Rig, path| rig.value(path).cloned();
-                let changed: Vec<&str> = rung
+                let changed: Vec<&str> = variant
                     .rig
                     .entries()
                     .filter(|(key, new)| value(&plans[0].rig, key.path).as_ref() != Some(new))
                     .map(|(key, _)| key.path)
                     .collect();
-                assert!((1..=2).contains(&changed.len()), "{name}, {}: {changed:?}", rung.model);
+                assert!((1..=2).contains(&changed.len()), "{name}, {}: {changed:?}", variant.model);
             }
         }
     }
@@ -403,14 +403,15 @@ mod tests {
         let spacing = Spacing { runs: 2, ..Spacing::default() };
         let begun = std::time::Instant::now();
         let clock = || begun.elapsed();
-        let rungs = climb(&source("servo-b-tuned"), &settings, spacing, clock, |_, _| Ok(())).expect("runs");
-        assert_eq!(largest(&rungs[0], POSITION), 0.0, "the reference is itself");
-        assert!(rungs[0].deviations.len() == 2 && rungs[0].convergence.is_converged());
-        let empirical = rungs.iter().find(|rung| rung.component == "operator").expect("a rung");
-        assert!(empirical.evaluations < rungs[0].evaluations / 2.0, "{:.1}", empirical.evaluations);
-        for rung in rungs[1..].iter() {
-            assert!(largest(rung, POSITION) > 0.01, "{}: {}", rung.component, rung.model);
+        let variants =
+            compare(&source("servo-b-tuned"), &settings, spacing, clock, |_, _| Ok(())).expect("runs");
+        assert_eq!(largest(&variants[0], POSITION), 0.0, "the reference is itself");
+        assert!(variants[0].deviations.len() == 2 && variants[0].convergence.is_converged());
+        let empirical = variants.iter().find(|variant| variant.component == "operator").expect("a variant");
+        assert!(empirical.evaluations < variants[0].evaluations / 2.0, "{:.1}", empirical.evaluations);
+        for variant in variants[1..].iter() {
+            assert!(largest(variant, POSITION) > 0.01, "{}: {}", variant.component, variant.model);
         }
-        assert_eq!(table(&rungs).rows.len(), rungs.len());
+        assert_eq!(table(&variants).rows.len(), variants.len());
     }
 }

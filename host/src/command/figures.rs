@@ -2,7 +2,7 @@
 
 use pneudrive_evaluate::deviation::Deviation;
 use pneudrive_evaluate::replay::{ComparedQuantity, Difference, Replay};
-use pneudrive_optimise::ladder::Rung;
+use pneudrive_optimise::ladder::Variant;
 use pneudrive_records::judged::Judged;
 use pneudrive_records::words;
 use pneudrive_sim::Rig;
@@ -123,19 +123,19 @@ pub(super) fn thesis(shown: &[Shown]) -> Value {
     json!({ "entries": entries.collect::<Vec<_>>() })
 }
 
-/// The rungs of a ladder, each with its deviations from the first: its own run, then each perturbed run.
-pub(super) fn ladder(rungs: &[Rung]) -> Value {
-    let one = |rung: &Rung| {
-        let [time, least, most] = rung.time_over_reference;
+/// The variants of `ladder`, each with its deviations from the reference: its own run, then each perturbed run.
+pub(super) fn ladder(variants: &[Variant]) -> Value {
+    let one = |variant: &Variant| {
+        let [time, least, most] = variant.time_over_reference;
         json!({
-            "component": rung.component,
-            "model": rung.model,
-            "evaluations_per_sample": rung.evaluations,
-            "flow_iterations_per_sample": rung.flow_iterations,
+            "component": variant.component,
+            "model": variant.model,
+            "evaluations_per_sample": variant.evaluations,
+            "flow_iterations_per_sample": variant.flow_iterations,
             "time_over_reference": { "value": time, "least": least, "most": most },
-            "converged": rung.convergence.is_converged(),
-            "deviations": rung.deviations.iter().map(|all| deviations(all)).collect::<Vec<_>>(),
+            "converged": variant.convergence.is_converged(),
+            "deviations": variant.deviations.iter().map(|all| deviations(all)).collect::<Vec<_>>(),
         })
     };
-    json!({ "rungs": rungs.iter().map(one).collect::<Vec<_>>() })
+    json!({ "variants": variants.iter().map(one).collect::<Vec<_>>() })
 }

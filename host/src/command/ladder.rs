@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use anyhow::Result;
-use pneudrive_optimise::ladder::{climb, page, table};
+use pneudrive_optimise::ladder::{compare, page, table};
 use pneudrive_records::own_file::{GENERATOR, make_writable, refuse_to_replace};
 
 use super::figures;
@@ -18,11 +18,11 @@ pub(super) fn execute(arguments: &Ladder) -> Result<()> {
     make_writable(&arguments.out)?;
     refuse_to_replace(&place, GENERATOR)?;
     let source = rig_text(&arguments.rig.rig)?;
-    let mut progress = Progress::of("climbing", "models");
+    let mut progress = Progress::of("comparing", "models");
     let spacing = arguments.members.spacing();
-    let mut pace = Pace::begin("the ladder", arguments.yes);
+    let mut pace = Pace::begin("the comparison of models", arguments.yes);
     let begun = Instant::now();
-    let rungs = climb(
+    let variants = compare(
         &source,
         &arguments.rig.settings,
         spacing,
@@ -33,9 +33,9 @@ pub(super) fn execute(arguments: &Ladder) -> Result<()> {
         },
     )?;
     progress.done();
-    page(&source.0, &rungs).write(&place, arguments.pages.library())?;
-    json::figures(|| figures::ladder(&rungs));
-    let table = table(&rungs);
+    page(&source.0, &variants).write(&place, arguments.pages.library())?;
+    json::figures(|| figures::ladder(&variants));
+    let table = table(&variants);
     say!("{}\n{}\n{}", table.heading, table.to_text(), place.display());
     Ok(())
 }
