@@ -178,6 +178,24 @@ fn a_file_of_tests_that_no_program_takes_in_is_found() {
     assert_eq!(programs::forgotten(folder.path()).expect("files"), ["tests/lost.rs is in no test program"]);
 }
 
+/// The profile inherits the levels of single crates from release, not only that of all others.
+#[test]
+fn what_release_optimises_less_is_optimised_in_full_by_dist() {
+    let text = fs::read_to_string(root().join("Cargo.toml")).expect("the workspace");
+    let cargo: toml_edit::DocumentMut = text.parse().expect("TOML");
+    let crates = |profile: &str| cargo["profile"][profile]["package"].as_table_like().expect("crates");
+    let level = |profile: &str, name: &str| crates(profile).get(name)?.get("opt-level")?.as_integer();
+    let less: Vec<&str> = crates("release")
+        .iter()
+        .map(|(name, _)| name)
+        .filter(|name| level("release", name) != Some(3))
+        .collect();
+    assert!(less.contains(&"pneudrive"), "{less:?}");
+    for name in less {
+        assert_eq!(level("dist", name), Some(3), "{name}");
+    }
+}
+
 #[test]
 fn every_crate_keeps_the_structure() {
     super::check(root()).unwrap_or_else(|error| panic!("{error:#}"));
