@@ -6,6 +6,7 @@
 mod parameter;
 mod units;
 
+use std::fmt::Display;
 use std::marker::PhantomData;
 use std::ops::Deref;
 
@@ -148,6 +149,12 @@ impl Key {
     #[must_use]
     pub fn is_in(&self, table: &str) -> bool {
         self.path.strip_prefix(table).is_some_and(|rest| rest.starts_with('.'))
+    }
+
+    /// A setting of this key as `--set` takes it: `test.duration_s=3.1`.
+    #[must_use]
+    pub fn setting(&self, value: impl Display) -> String {
+        format!("{}={value}", self.path)
     }
 
     /// The name within the table.

@@ -219,6 +219,9 @@ impl Start {
 
 fn test_of(moves: &[(f64, i32)], duration_s: f64, start: &Start, rig: &Rig) -> Vec<String> {
     let moves: Vec<String> = moves.iter().map(|(at, counts)| format!("[{at:?}, {counts}]")).collect();
-    let test = [format!("test.moves=[{}]", moves.join(", ")), format!("test.duration_s={duration_s:?}")];
+    let test = [
+        keys::test::MOVES.setting(format_args!("[{}]", moves.join(", "))),
+        keys::test::DURATION_S.setting(format_args!("{duration_s:?}")),
+    ];
     test.into_iter().chain(start.settings(Some(rig))).collect()
 }

@@ -346,7 +346,7 @@ impl Now {
                 (Role::RunTest, Some(Value::Switch(on))) => choices.run_test = on,
                 (Role::Seed, Some(Value::Integer(seed))) => choices.seed = seed.unsigned_abs(),
                 (Role::Key(key), Some(value)) if Some(value) != variable.start => {
-                    settings.push(format!("{}={value}", key.path));
+                    settings.push(key.setting(value));
                 }
                 _ => {}
             }

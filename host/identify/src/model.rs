@@ -35,7 +35,7 @@ pub(super) const ROUNDING: f64 = 0.288_675_134_594_812_9;
 const FRICTIONS: [(&str, &str); 3] = [
     (keys::friction::COULOMB_EXTEND_N.key.path, keys::friction::STATIC_EXTEND_N.key.path),
     (keys::friction::COULOMB_RETRACT_N.key.path, keys::friction::STATIC_RETRACT_N.key.path),
-    ("operator.coulomb_friction_n", "operator.static_friction_n"),
+    (keys::solenoid::COULOMB_FRICTION_N.key.path, keys::solenoid::STATIC_FRICTION_N.key.path),
 ];
 
 /// By how much of it, at least: what is equal but for rounding is no valid rig.

@@ -133,9 +133,9 @@ fn with_moves(rig: &Rig, position: f64, moves: &[(f64, i32)], duration: f64) -> 
     let position = middle_of_count(rig, position);
     let moves: Vec<String> = moves.iter().map(|(time, counts)| format!("[{time:.4}, {counts}]")).collect();
     let settings = [
-        format!("test.moves=[{}]", moves.join(", ")),
-        format!("test.duration_s={duration:.4}"),
-        format!("test.position_m={position}"),
+        keys::test::MOVES.setting(format_args!("[{}]", moves.join(", "))),
+        keys::test::DURATION_S.setting(format_args!("{duration:.4}")),
+        keys::test::POSITION_M.setting(position),
     ];
     Ok(rig.with_test(&settings)?)
 }

@@ -127,7 +127,10 @@ impl<B: TestRig> Plan<'_, B> {
     }
 
     fn way_back(&self) -> Result<Rig> {
-        let settings = [format!("test.moves=[[0.0, {}]]", self.count), format!("test.duration_s={RETURN_S}")];
+        let settings = [
+            keys::test::MOVES.setting(format_args!("[[0.0, {}]]", self.count)),
+            keys::test::DURATION_S.setting(RETURN_S),
+        ];
         Ok(self.closed.with_test(&settings)?)
     }
 }

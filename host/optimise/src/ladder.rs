@@ -223,7 +223,7 @@ fn plans(source: &(String, String), settings: &[String]) -> Result<Vec<Plan>> {
 fn with_nodes(rig: &Rig) -> Option<String> {
     let complete = |facts: Facts| facts.has_areas() && facts.has_node && !facts.replaces_tubes;
     let model = valve::ValveKind::ALL.iter().find(|model| complete(model.facts()))?;
-    has_areas(rig).then(|| format!("{}={}", keys::valve::MODEL.path, model.word()))
+    has_areas(rig).then(|| keys::valve::MODEL.setting(model.word()))
 }
 
 fn has_areas(rig: &Rig) -> bool {
@@ -240,7 +240,7 @@ fn others<C: Choice>(
     let own = reference.word_at(key.path);
     let others = C::WORDS.iter().map(|(word, _)| *word).filter(|word| Some(*word) != own);
     let plan = |model: &'static str| {
-        let rig = reference.with_plant(&[format!("{}={model}", key.path)]).ok()?;
+        let rig = reference.with_plant(&[key.setting(model)]).ok()?;
         Some(Plan { component, model, rig })
     };
     others.filter(|word| C::of_word(word).is_some_and(&may)).filter_map(plan).collect()
@@ -249,10 +249,13 @@ fn others<C: Choice>(
 /// Whether the keys mean something on a rig as it is: an operator that it has, a valve that has a node.
 fn applies(rig: &Rig, settings: &[&str]) -> bool {
     let operator = rig.get(&keys::operator::MODEL);
+    let flow_force = keys::flow_force::FLOW_FORCE.path;
     settings.iter().all(|setting| match setting.split_once('=') {
-        Some(("valve.flow_force", "none")) => true,
-        Some(("valve.flow_force" | "operator.model", _)) => operator.is_solenoid(),
-        Some((path, _)) if path.starts_with("operator.") => operator == operator::OperatorKind::Solenoid,
+        Some((path, "none")) if path == flow_force => true,
+        Some((path, _)) if [flow_force, keys::operator::MODEL.path].contains(&path) => operator.is_solenoid(),
+        Some((path, _)) if path.split('.').next() == Some(keys::operator::MODEL.table()) => {
+            operator == operator::OperatorKind::Solenoid
+        }
         _ => true,
     })
 }

@@ -143,7 +143,7 @@ impl Sweep {
 
     /// All values of the rig with its settings, however its file is written.
     fn meaning(&self) -> Vec<String> {
-        all_keys().filter_map(|key| Some(format!("{}={}", key.path, self.rig.value(key.path)?))).collect()
+        all_keys().filter_map(|key| Some(key.setting(self.rig.value(key.path)?))).collect()
     }
 
     /// A number that changes if any row of the result may change. It distinguishes the results of different sweeps.

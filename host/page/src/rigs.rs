@@ -73,7 +73,7 @@ pub(crate) fn in_key_units(asked: &PageRig, rig: &Rig) -> Vec<String> {
     let in_unit = |setting: &String| {
         let path = setting.split('=').next().unwrap_or_default().trim();
         let key = key_of(path)?;
-        rig.value(key.path).map(|value| format!("{}={value}", key.path))
+        rig.value(key.path).map(|value| key.setting(value))
     };
     asked.settings.iter().filter_map(in_unit).collect()
 }

@@ -12,6 +12,8 @@ use pneudrive_records::words;
 use pneudrive_session::drive;
 use pneudrive_session::record::to_memory;
 use pneudrive_session::streaming::ToFile;
+use pneudrive_sim::component::controller::Loop;
+use pneudrive_sim::keys;
 use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
@@ -296,11 +298,12 @@ impl Drive {
     /// Runs the tests that a fit needs: the drive moves through most of its stroke, in open loop, too. Returns the records
     /// for `identify`. The drive is left as it was.
     fn run_identification_tests(&self, py: Python<'_>, rig: RigOrSource) -> PyResult<Vec<Py<Target>>> {
-        let with_loop = |loop_: &str| {
-            let settings = rig.0.settings.iter().cloned().chain([format!("controller.loop=\"{loop_}\"")]);
+        let with_loop = |control_loop: Loop| {
+            let settings =
+                rig.0.settings.iter().cloned().chain([keys::controller::LOOP.setting(control_loop.word())]);
             Rig::read(rig.0.source.clone(), settings.collect())
         };
-        let (closed, open) = (with_loop("closed")?.rig, with_loop("open")?.rig);
+        let (closed, open) = (with_loop(Loop::Closed)?.rig, with_loop(Loop::Open)?.rig);
         let files = self.act(py, None, |client, meter| bench::records(client, &closed, &open, meter))?;
         files.into_iter().map(|(name, file)| Target::of(py, name, file)).collect()
     }

@@ -98,12 +98,12 @@ fn test_of(rig: &Rig, points: &[Point], settings: &[String]) -> Vec<String> {
     let [first, last] = [points[0], points[points.len() - 1]];
     let half_count = encoder::middle(rig, 0.0) * encoder::mm_per_count(rig);
     let own = [
-        format!("test.move=[{{profile=\"points\", points=[{}]}}]", each.join(", ")),
-        format!("test.duration_s={:?}", (1e6 * (last.time_s + REST_S)).ceil() / 1e6),
-        format!("test.position_m={:?}", 1e-3 * (first.mm + half_count)),
+        keys::test::MOVE.setting(format_args!("[{{profile=\"points\", points=[{}]}}]", each.join(", "))),
+        keys::test::DURATION_S.setting(format_args!("{:?}", (1e6 * (last.time_s + REST_S)).ceil() / 1e6)),
+        keys::test::POSITION_M.setting(format_args!("{:?}", 1e-3 * (first.mm + half_count))),
     ];
     let kept = KEPT.into_iter().filter(|key| rig.is_set(key));
-    let kept = kept.filter_map(|key| Some(format!("{}={}", key.path, rig.value(key.path)?)));
+    let kept = kept.filter_map(|key| Some(key.setting(rig.value(key.path)?)));
     let of_test = settings.iter().filter(|setting| setting.trim_start().starts_with("test."));
     kept.chain(own).chain(of_test.cloned()).collect()
 }

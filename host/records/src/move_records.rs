@@ -15,7 +15,8 @@ use anyhow::{Context, Result, anyhow, bail, ensure};
 use pneudrive_controller::parameters::id;
 use pneudrive_controller::{Move, Profile};
 use pneudrive_protocol::MOVE_RECORDS;
-use pneudrive_sim::Rig;
+use pneudrive_sim::key::Key;
+use pneudrive_sim::{Rig, keys};
 use toml_edit::{ArrayOfTables, DocumentMut, Item, Table};
 
 use crate::rig_info::RigParameters;
@@ -143,14 +144,15 @@ fn settings_of(drive: &RigParameters) -> Result<Vec<String>> {
     let period_us = known(id::PERIOD_US)?;
     // A quarter of a count beyond the ends, which the rounding of mm must not cut off.
     let [low_mm, high_mm] = [(low - 0.25) * mm, (high + 0.25) * mm];
+    let exact = |key: &Key, number: f64| key.setting(format_args!("{number:e}"));
     Ok(vec![
-        format!("encoder.mm_per_count={mm:e}"),
-        format!("controller.period_s={:e}", period_us / 1e6),
-        format!("controller.delay_s={:e}", (period_us / 2.0).floor() / 1e6),
-        format!("actuator.stroke_m={:e}", high_mm / 1e3),
-        format!("safety.end_min_mm={low_mm:e}"),
-        format!("safety.end_max_mm={high_mm:e}"),
-        format!("test.position_m={:e}", high_mm / 2e3),
+        exact(&keys::encoder::MM_PER_COUNT, mm),
+        exact(&keys::controller::PERIOD_S, period_us / 1e6),
+        exact(&keys::controller::DELAY_S, (period_us / 2.0).floor() / 1e6),
+        exact(&keys::actuator::STROKE_M, high_mm / 1e3),
+        exact(&keys::safety::END_MIN_MM, low_mm),
+        exact(&keys::safety::END_MAX_MM, high_mm),
+        exact(&keys::test::POSITION_M, high_mm / 2e3),
     ])
 }
 

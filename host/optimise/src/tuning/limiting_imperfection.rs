@@ -106,7 +106,7 @@ fn of_operator(rig: &Rig) -> Vec<Suspect> {
     }
     if model == operator::OperatorKind::Stepper {
         let length = times(rig, keys::stepper::MM_PER_STEP.path, 0.25);
-        let steps = format!("operator.max_steps={}", 4 * rig.get(&keys::stepper::MAX_STEPS));
+        let steps = keys::stepper::MAX_STEPS.setting(4 * rig.get(&keys::stepper::MAX_STEPS));
         all.push(suspect("spool steps a quarter as long", vec![length, steps]));
     }
     all
@@ -140,7 +140,7 @@ fn of_sampling(rig: &Rig) -> Vec<Suspect> {
 /// The keys of an encoder four times as fine; None where its word would have more bits than there are.
 fn finer_encoder(rig: &Rig) -> Option<Vec<String>> {
     let bits = encoder::bits(rig) + 2;
-    let wider = (bits <= encoder::MAX_BITS).then(|| format!("encoder.bits={bits}"));
+    let wider = (bits <= encoder::MAX_BITS).then(|| keys::encoder::BITS.setting(bits));
     let shorter = times(rig, keys::encoder::MM_PER_COUNT.path, 0.25);
     match rig.get(&keys::encoder::MODEL) {
         encoder::EncoderKind::Quadrature => Some(vec![shorter]),

@@ -6,6 +6,7 @@ use anyhow::{Result, bail};
 use pneudrive_records::judged::Spacing;
 use pneudrive_records::rig_text;
 use pneudrive_records::words::fault_name;
+use pneudrive_sim::component::controller::Loop;
 use pneudrive_sim::component::encoder::{self, mm_per_count};
 use pneudrive_sim::keys;
 use pneudrive_sim::rig::Problems;
@@ -96,7 +97,8 @@ impl Trial {
         let without = |problems| as_it_is.clone().err().unwrap_or(problems);
         let text = rig_text::without(text, "test", &SCHEDULE).unwrap_or_else(|_| text.clone());
         let file = RigFile::read(name, &text);
-        let bare = with_moves(&file, &unlimited(&settings), "test.moves=[[0.0, 0]]").map_err(without)?;
+        let bare = with_moves(&file, &unlimited(&settings), &keys::test::MOVES.setting("[[0.0, 0]]"))
+            .map_err(without)?;
         let way = StepRange::of(&bare, task)?;
         let trial = Trial { rig: bare, file, settings, goal: task.goal, way, runners: Arc::default() };
         let rig = trial.rig_of(&[], &Variant::NOMINAL)?;
@@ -210,8 +212,8 @@ impl Trial {
     ) -> Result<Rig, Problems> {
         let middle = encoder::middle(&self.rig, course.from as f64);
         let own = [
-            format!("test.duration_s={:?}", course.duration_s),
-            format!("test.position_m={:?}", middle * self.way.mm_per_count / 1e3),
+            keys::test::DURATION_S.setting(format_args!("{:?}", course.duration_s)),
+            keys::test::POSITION_M.setting(format_args!("{:?}", middle * self.way.mm_per_count / 1e3)),
         ];
         let settings: Vec<String> = self.settings.iter().chain(gains).cloned().chain(own).collect();
         with_moves(&self.file, &settings, &course.moves)?.with_plant(&variant.settings(&self.rig))
@@ -228,14 +230,14 @@ fn to_its_end<T>(run: &Run, measure: impl FnOnce(&Run) -> Result<T, String>) -> 
 
 /// The rig of a file with settings and moves, which are timed: none waits for an arrival.
 fn with_moves(file: &RigFile, settings: &[String], moves: &str) -> Result<Rig, Problems> {
-    let timed = [moves.to_owned(), "controller.exit_on_dead_band=false".to_owned()];
+    let timed = [moves.to_owned(), keys::controller::EXIT_ON_DEAD_BAND.setting(false)];
     let settings: Vec<String> = settings.iter().cloned().chain(timed).collect();
     file.with(&settings)
 }
 
 /// Settings with which a rig is valid whatever its software ends are: an open loop has no setpoints.
 fn unlimited(settings: &[String]) -> Vec<String> {
-    settings.iter().cloned().chain(["controller.loop=open".to_owned()]).collect()
+    settings.iter().cloned().chain([keys::controller::LOOP.setting(Loop::Open.word())]).collect()
 }
 
 impl StepRange {
@@ -278,7 +280,8 @@ impl StepRange {
         let [from, to] = self.setpoints(variant);
         let (there, back) = (DWELL_S, DWELL_S + self.time_s);
         TaskMoves {
-            moves: format!("test.moves=[[0.0, {from}], [{there:?}, {to}], [{back:?}, {from}]]"),
+            moves: keys::test::MOVES
+                .setting(format_args!("[[0.0, {from}], [{there:?}, {to}], [{back:?}, {from}]]")),
             duration_s: DWELL_S + 2.0 * self.time_s,
             from,
         }

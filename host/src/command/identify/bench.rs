@@ -11,6 +11,7 @@ use pneudrive_records::units::lacks_pressures;
 use pneudrive_session::borrowed::lend;
 use pneudrive_session::test_run::{TestRun, set_loop};
 use pneudrive_sim::Rig;
+use pneudrive_sim::component::controller::Loop;
 use pneudrive_sim::keys;
 
 use crate::cli::RigChoice;
@@ -24,8 +25,8 @@ const LEVEL_DEG: f64 = 2.0;
 
 /// Runs the tests on the rig at a port and writes their TARGET files to a folder.
 pub(super) fn execute(choice: &RigChoice, port: &str, folder: &Path) -> Result<Recorded> {
-    let [closed, open] = ["closed", "open"].map(|loop_| {
-        let with = format!("controller.loop={loop_}");
+    let [closed, open] = [Loop::Closed, Loop::Open].map(|control_loop| {
+        let with = keys::controller::LOOP.setting(control_loop.word());
         load_rig(&choice.rig, &[&choice.settings[..], &[with]].concat())
     });
     let (closed, open) = (closed?, open?);

@@ -45,7 +45,10 @@ pub fn slow_move(rig: &Rig, from_mm: f64, to_mm: f64, mm_per_s: f64) -> Result<R
     };
     let moves: Vec<String> = (1..=steps as u32).map(step).collect();
     let duration_s = ((lasts_s + SETTLING_S) * 1e3).ceil() / 1e3;
-    let test = [format!("test.moves=[{}]", moves.join(", ")), format!("test.duration_s={duration_s:?}")];
+    let test = [
+        keys::test::MOVES.setting(format_args!("[{}]", moves.join(", "))),
+        keys::test::DURATION_S.setting(format_args!("{duration_s:?}")),
+    ];
     Ok(rig.with_test(&test)?)
 }
 

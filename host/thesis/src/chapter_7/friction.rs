@@ -138,10 +138,10 @@ fn staircase(step_s: f64) -> String {
 fn friction((counts, step_s): Way, direction: f64) -> Result<Friction> {
     let position_m = if direction > 0.0 { 0.05 } else { 0.25 };
     let test = [
-        format!("test.moves=[[0.0, {}]]", counts * direction as i32),
-        format!("test.position_m={position_m}"),
-        "test.pressure_1_pa=101300".to_owned(),
-        "test.pressure_2_pa=101300".to_owned(),
+        keys::test::MOVES.setting(format_args!("[[0.0, {}]]", counts * direction as i32)),
+        keys::test::POSITION_M.setting(position_m),
+        keys::test::PRESSURE_1_PA.setting(101_300),
+        keys::test::PRESSURE_2_PA.setting(101_300),
     ];
     let settings: Vec<&str> = PRINTED.into_iter().chain(test.iter().map(String::as_str)).collect();
     let rig = rig_and("servo-b-thesis", &staircase(step_s), &settings)?;

@@ -54,8 +54,8 @@ fn moved(rig: &Rig, start: usize) -> Vec<String> {
         .map(|(time, target)| format!("[{time:?}, {}]", target + counts as i64))
         .collect();
     vec![
-        format!("{}={position_m:?}", keys::test::POSITION_M.path),
-        format!("{}={phase_deg:?}", keys::dither::DITHER_PHASE_DEG.path),
+        keys::test::POSITION_M.setting(format_args!("{position_m:?}")),
+        keys::dither::DITHER_PHASE_DEG.setting(format_args!("{phase_deg:?}")),
         format!("{}=[{}]", keys::test::MOVES.path, moves.join(", ")),
     ]
 }

@@ -79,9 +79,9 @@ impl Sine {
     pub(in crate::tuning) fn course(&self) -> TaskMoves {
         let Sine { frequency_hz, middle, amplitude, .. } = self;
         TaskMoves {
-            moves: format!(
-                "test.move=[{{profile=\"step\", to_counts={middle}}}, {{profile=\"sine\", at_s={DWELL_S:?}, to_counts={middle}, amplitude_counts={amplitude}, frequency_hz={frequency_hz:?}, cycles={SWINGS}}}]"
-            ),
+            moves: keys::test::MOVE.setting(format_args!(
+                "[{{profile=\"step\", to_counts={middle}}}, {{profile=\"sine\", at_s={DWELL_S:?}, to_counts={middle}, amplitude_counts={amplitude}, frequency_hz={frequency_hz:?}, cycles={SWINGS}}}]"
+            )),
             duration_s: lasts_s(*frequency_hz),
             from: *middle,
         }
