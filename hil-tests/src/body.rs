@@ -13,11 +13,12 @@ use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 use pneudrive_controller::Fault;
+use pneudrive_controller::parameters::id;
 use pneudrive_link::client::Client;
 use pneudrive_protocol::Mode;
 use pneudrive_sim::{Accuracy, Rig};
 
-pub use run::{assert_equal_in_every_integer, rig, run_and_record, start_run};
+pub use run::{as_built_in, assert_equal_in_every_integer, rig, run_and_record, start_run};
 
 use crate::Target;
 use run::{assert_is_the_simulation, replayed, run_on};
@@ -171,19 +172,37 @@ fn fault_after_the_moves(client: &mut Client) -> Option<u8> {
     None
 }
 
-/// The largest commands of a DAC to both sides are in force and recorded as such: +2048 counts and -2048.
+/// The largest commands of a DAC to both sides are in force and recorded as such, whatever is asked for.
 ///
 /// # Panics
 /// When the record is not the simulation, or one of them is missing.
 pub fn the_largest_commands_of_the_dac(start: Start) {
-    let moves = "test.moves=[[0.0, 2048], [0.2, -2048], [0.4, 3000]]";
+    let moves = "test.moves=[[0.0, 2047], [0.2, -2048], [0.4, 3000]]";
     let rig = rig("servo-b", &["controller.loop=open", moves, "test.duration_s=0.6"]);
     let target = start(&rig);
     let simulated = pneudrive_sim::run(&rig, Accuracy::of(&rig)).expect("a transient").observations;
     let record = run_and_record(&*target, &rig);
     assert_is_the_simulation(target.name(), &record, &simulated);
-    for (k, command) in [(0, 2048), (200, -2048), (400, 2048)] {
+    for (k, command) in [(0, 2047), (200, -2047), (400, 2047)] {
         assert_eq!(record.samples[k].command, command, "{}: sample {k}", target.name());
+    }
+}
+
+/// A board refuses to arm where its converter has no code for the largest command, by name, and arms with one code less.
+///
+/// # Panics
+/// When it arms, or refuses for another reason.
+pub fn commands_without_a_code(start: Start) {
+    let target = start(&rig("servo-b", &[]));
+    let mut client = target.connect().expect("a board that answers");
+    for (null_code, most) in [(2048, 2047), (2000, 2000), (2100, 1995)] {
+        let beyond = [(id::NULL_CODE, null_code), (id::MAX_COMMAND_COUNTS, most + 1)];
+        client.change_parameters(&beyond).expect("disarmed");
+        let refused = client.arm().expect_err("there is no code for it").to_string();
+        assert!(refused.contains("max_command_counts"), "{}: {refused}", target.name());
+        client.set_parameters(id::MAX_COMMAND_COUNTS, &[most]).expect("disarmed");
+        client.arm().expect("a code for each command");
+        client.disarm().expect("an answer");
     }
 }
 

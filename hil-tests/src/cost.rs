@@ -101,8 +101,11 @@ fn runs() -> Vec<(String, Rig)> {
     let duration = "test.duration_s=2";
     let both = |(name, open): (&str, &str)| {
         [
-            (format!("{name}, closed loop"), body::rig(name, &[duration, closed])),
-            (format!("{name}, open loop"), body::rig(name, &[duration, open, "controller.loop=open"])),
+            (format!("{name}, closed loop"), body::as_built_in(name, &[duration, closed])),
+            (
+                format!("{name}, open loop"),
+                body::as_built_in(name, &[duration, open, "controller.loop=open"]),
+            ),
         ]
     };
     [("servo-a", steps), ("servo-b", counts), ("servo-c", counts)].into_iter().flat_map(both).collect()

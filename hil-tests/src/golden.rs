@@ -76,7 +76,7 @@ const PROFILED: [&str; 2] = ["servo-a-tuned", "servo-b-tuned"];
 
 /// A rig on moves of every profile, with feed-forward.
 fn profiled(name: &str) -> Rig {
-    body::rig(
+    body::as_built_in(
         name,
         &[
             "controller.velocity_feed_forward=900",
@@ -106,7 +106,7 @@ pub fn records(start: impl Fn(&Rig) -> Result<Box<dyn Target>>) -> Result<BTreeM
             text.lines().filter(|line| !line.starts_with('#')).collect::<Vec<_>>().join("\n");
         Ok((format!("target {name}"), hash(&samples)))
     };
-    let steps = RECORDED.map(|name| (name.to_owned(), body::rig(name, &["test.duration_s=0.6"])));
+    let steps = RECORDED.map(|name| (name.to_owned(), body::as_built_in(name, &["test.duration_s=0.6"])));
     let profiles = PROFILED.map(|name| (format!("{name} profiles"), profiled(name)));
     steps.into_iter().chain(profiles).map(hashed).collect()
 }

@@ -71,7 +71,7 @@ pub const LEARNING: [&str; 2] = ["controller.learn_null_offset=true", "controlle
 /// # Errors
 /// When there is no emulated board.
 pub fn measure() -> Result<Vec<Request>> {
-    let rig = body::rig("servo-b-tuned", &["test.duration_s=5.6", LEARNING[0], LEARNING[1]]);
+    let rig = body::as_built_in("servo-b-tuned", &["test.duration_s=5.6", LEARNING[0], LEARNING[1]]);
     let target = QemuTarget::start(&rig)?;
     fill_log(&mut target.connect()?)?;
     let _ = body::run_and_record(&target, &rig);

@@ -215,6 +215,10 @@ impl Board for TestBoard {
         self.board.drive(config, command);
     }
 
+    fn has_converter(&self) -> bool {
+        self.board.has_converter()
+    }
+
     fn now_us(&self) -> u64 {
         self.board.now_us()
     }

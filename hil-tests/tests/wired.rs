@@ -89,6 +89,11 @@ fn the_largest_commands_of_the_converter_are_recorded_as_such() {
 }
 
 #[test]
+fn a_board_of_chips_refuses_to_arm_for_commands_that_its_converter_has_no_code_for() {
+    body::commands_without_a_code(wired);
+}
+
+#[test]
 fn the_record_of_a_stepper_drive_on_two_pins_is_the_simulation() {
     body::stepper(wired);
 }

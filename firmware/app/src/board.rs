@@ -27,6 +27,12 @@ pub trait Board {
     /// ([`pneudrive_controller::drive::DacConfig::code`]).
     fn drive(&mut self, config: &Config, command: Command);
 
+    /// Whether commands go to a converter of 12 bits, so that the largest one must have a code there. A simulated plant
+    /// takes them in counts.
+    fn has_converter(&self) -> bool {
+        false
+    }
+
     /// Microseconds since the reset, by the clock that lateness is judged by.
     fn now_us(&self) -> u64;
 

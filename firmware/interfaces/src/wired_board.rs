@@ -193,6 +193,10 @@ impl<P: Parts> Board for WiredBoard<P> {
         }
     }
 
+    fn has_converter(&self) -> bool {
+        true
+    }
+
     #[inline]
     fn now_us(&self) -> u64 {
         self.clock.now_us()

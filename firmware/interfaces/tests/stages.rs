@@ -15,7 +15,8 @@ use pneudrive_interfaces::{
     Conversions, Direction, EncoderCounter, PressureInput, StepDirection, Terminals, ValveOutput,
 };
 
-const SOLENOID: DriveConfig = DriveConfig::Dac(DacConfig { null_code: DacCode::new(2000), inverted: false });
+const SOLENOID: DriveConfig =
+    DriveConfig::Dac(DacConfig { null_code: DacCode::new(2000), inverted: false, max_counts: 2000 });
 const TRANSLATOR: Translator = Translator { pulse_width_us: 10, direction_setup_us: 10 };
 const STEPPER: DriveConfig = DriveConfig::Stepper { max_steps: 40, translator: TRANSLATOR };
 

@@ -3,8 +3,7 @@
 //! ```text
 //! encoder             A and B to PA0, PA1: one edge per count
 //! pressures, spool    to PC0, PC1, PB0: the middle of the voltages that a code of 12 bits stands for
-//! DAC on PA4          counts = U / U(ref) * 4096 - 2048, which the amplifier holds at null while it is disabled;
-//!                     the largest code stands for +2048 counts, as nothing at the pin is larger
+//! DAC on PA4          counts = U / U(ref) * 4096 - 2048, which the amplifier holds at null while it is disabled
 //! step, direction     PB6, PC7: a rising edge is a step
 //! drive_enable        PB10
 //! ```
@@ -171,8 +170,7 @@ impl PinBench {
 
 /// The amplifier's command, counts from its null.
 fn counts_of(volts: f64) -> i16 {
-    let code = (volts / REFERENCE_V * CODES).round() as i16;
-    if f64::from(code) == CODES - 1.0 { MAX_COUNTS } else { code - MAX_COUNTS }
+    (volts / REFERENCE_V * CODES).round() as i16 - MAX_COUNTS
 }
 
 #[cfg(test)]
@@ -182,8 +180,8 @@ mod tests {
 
     #[test]
     fn the_amplifier_makes_of_every_code_the_counts_that_the_board_meant() {
-        let dac = DacConfig { null_code: DacCode::MIDDLE, inverted: false };
-        for counts in (-2048..=2046).chain([2048]) {
+        let dac = DacConfig { null_code: DacCode::MIDDLE, inverted: false, max_counts: 2047 };
+        for counts in -2047..=2047 {
             let volts = REFERENCE_V * f64::from(dac.code(counts).get()) / CODES;
             assert_eq!(counts_of(volts), counts);
         }

@@ -7,7 +7,7 @@ use pneudrive_flashed_image::target::{FlashedTarget, NUCLEO};
 use pneudrive_flashed_image::time::{Corner, FAST, SLOWEST};
 use pneudrive_hil_tests::body::soak;
 use pneudrive_hil_tests::{Supplied, Target, body, rounding};
-use pneudrive_sim::{Accuracy, Rig, run};
+use pneudrive_sim::Rig;
 
 fn started(rig: &Rig, corner: Corner) -> FlashedTarget {
     FlashedTarget::start(rig, corner).unwrap_or_else(|error| panic!("no board: {error:#}"))
@@ -214,37 +214,38 @@ fn a_changed_rounding_in_the_flashed_image_is_seen() {
     println!("{}", rounding::failure(&target, &rig).expect("it is seen"));
 }
 
-/// The voltage at the pin for the commands at both ends: the converter has no code for +2048 counts and gives that of +2047.
+/// The voltage at the pin, and the command in the record: the same, whatever is asked for.
 #[test]
-fn the_largest_command_is_the_largest_code_and_no_more() {
-    for (command, code) in [(2046, 4094), (2047, 4095), (2048, 4095), (-2047, 1), (-2048, 0)] {
-        let moves = format!("test.moves=[[0.0, {command}]]");
+fn the_pin_has_the_command_of_the_record_up_to_the_largest() {
+    for asked in [2046, 2047, 2048, -2047, -2048] {
+        let moves = format!("test.moves=[[0.0, {asked}]]");
         let rig = body::rig("servo-b", &["controller.loop=open", &moves, "test.duration_s=0.1"]);
         let target = started(&rig, FAST);
         let (tell, told) = std::sync::mpsc::channel();
         let look =
             move |machine: &mut Machine| tell.send(machine.board().dac_volts()).expect("a test that waits");
         target.with(move |machine| machine.inject_at(10, Box::new(look))).expect("a board that runs");
-        let _ = body::run_and_record(&target, &rig);
+        let record = body::run_and_record(&target, &rig);
         let volts = told.recv().expect("a run of ten samples");
-        assert_eq!((volts / REFERENCE_V * CODES).round(), f64::from(code), "{command} counts: {volts} V");
+        let at_pin = (volts / REFERENCE_V * CODES).round() - CODES / 2.0;
+        let expected = asked.clamp(-2047, 2047);
+        assert_eq!(
+            (at_pin, record.samples[10].command),
+            (f64::from(expected), expected as i16),
+            "{asked} counts"
+        );
     }
 }
 
-/// The converter has 4096 codes and ends at +2047 counts, where the simulation goes to +2048: at the pin the two are one.
-/// A record leaves the simulation after a command of +2047, and never before. Once the drive stage ends where the converter
-/// does, this test fails, and `body::soak` takes its place.
+/// The thesis's commands of +-2048 counts have 4097 values, the converter 4096.
 #[test]
-fn a_record_leaves_the_simulation_only_where_the_converter_has_no_code() {
-    let rig = soak::run_of(1);
-    let simulated = run(&rig, Accuracy::of(&rig)).expect("a transient").observations;
-    let record = body::run_and_record(&started(&rig, SLOWEST), &rig);
-    let pairs = || record.samples.iter().zip(&simulated);
-    let differ = pairs().position(|(on_rig, seen)| {
-        (on_rig.position, on_rig.pressure_1, on_rig.pressure_2, on_rig.spool, on_rig.command)
-            != (seen.position, seen.pressure_1, seen.pressure_2, seen.spool, seen.command)
-    });
-    let ambiguous = simulated.iter().position(|seen| seen.command == 2047);
-    println!("first command of +2047 at sample {ambiguous:?}, first difference at {differ:?}");
-    assert!(differ.expect("they differ") > ambiguous.expect("there is one"));
+fn the_flashed_image_refuses_to_arm_for_commands_that_its_converter_has_no_code_for() {
+    body::commands_without_a_code(fast);
+}
+
+/// Two runs of a soak.
+#[test]
+fn runs_again_and_again_on_the_flashed_image_are_the_simulation() {
+    let target = started(&soak::drive(), FAST);
+    println!("{:?}", soak::soak(&target, 11.0));
 }

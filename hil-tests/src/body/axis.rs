@@ -13,7 +13,8 @@ use super::run::{assert_equal_in_every_integer, replayed, rig, run_and_record, r
 fn faulty(event: &str) -> Rig {
     let text = pneudrive_sim::rigfile::builtin("servo-b-tuned").expect("a built-in rig");
     let text = format!("{text}\n[[faults.event]]\n{event}\n");
-    Rig::read("servo-b-tuned", &text).unwrap_or_else(|problems| panic!("{problems}"))
+    let codes = ["operator.max_command_counts=2047".to_owned()];
+    Rig::read_with("servo-b-tuned", &text, &codes).unwrap_or_else(|problems| panic!("{problems}"))
 }
 
 /// Faults of the plant end in the fault and at the sample of the simulation, and stand in the log.

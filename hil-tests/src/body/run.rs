@@ -9,16 +9,30 @@ use pneudrive_link::client::Client;
 use pneudrive_protocol::Mode;
 use pneudrive_records::record::Record;
 use pneudrive_records::target::TargetFile;
-use pneudrive_sim::{Accuracy, Rig, run};
+use pneudrive_sim::component::operator::OperatorKind;
+use pneudrive_sim::{Accuracy, Rig, keys, run};
 
 use crate::Target;
 
-/// A built-in rig with settings.
+/// A built-in rig with settings, its commands within what a converter has codes for: boards refuse others.
 ///
 /// # Panics
 /// When there is no such rig, or a setting is invalid.
 #[must_use]
 pub fn rig(name: &str, settings: &[&str]) -> Rig {
+    let rig = as_built_in(name, settings);
+    if rig.get(&keys::operator::MODEL) == OperatorKind::Stepper {
+        return rig;
+    }
+    as_built_in(name, &[settings, &["operator.max_command_counts=2047"]].concat())
+}
+
+/// A built-in rig with settings, the converter that of the thesis.
+///
+/// # Panics
+/// As [`rig`].
+#[must_use]
+pub fn as_built_in(name: &str, settings: &[&str]) -> Rig {
     let text = pneudrive_sim::rigfile::builtin(name).expect("a built-in rig");
     let settings: Vec<String> = settings.iter().map(ToString::to_string).collect();
     Rig::read_with(name, text, &settings).unwrap_or_else(|problems| panic!("{problems}"))

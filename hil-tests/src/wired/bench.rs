@@ -3,8 +3,7 @@
 //! ```text
 //! encoder           one edge of A or B per count, walked through one after the other
 //! pressures, spool  the middle of the voltages that a code of 12 bits stands for
-//! amplifier         counts = U / U(ref) * 4096 - 2048; the largest code stands for +2048 counts, as there is no larger one.
-//!                   It holds the valve at its null while it is disabled
+//! amplifier         counts = U / U(ref) * 4096 - 2048; it holds the valve at its null while it is disabled
 //! translator        a rising edge is a step
 //! ```
 //!
@@ -122,6 +121,5 @@ fn middle_of(code: i16) -> f64 {
 
 /// The amplifier's command, counts from its null.
 fn counts_of(volts: f64) -> i16 {
-    let code = (volts / REFERENCE_V * CODES).round() as i16;
-    if f64::from(code) == CODES - 1.0 { MAX_COUNTS } else { code - MAX_COUNTS }
+    (volts / REFERENCE_V * CODES).round() as i16 - MAX_COUNTS
 }

@@ -197,6 +197,7 @@ def main():
     K_v, K_a, scale = (rig[f"controller.{key}"] for key in ("velocity_gain", "acceleration_gain", "scale"))
     W_v, W_a = (rig[f"controller.{key}_window_samples"] for key in ("velocity", "acceleration"))
     K_p, span, band = (rig[f"controller.{key}"] for key in ("gain_profile", "profile_span_counts", "dead_band_counts"))
+    most = rig["operator.max_command_counts"]
     y, P_2 = rig["test.position_m"], rig["test.pressure_2_pa"]
     P_1 = rig.get("test.pressure_1_pa", (P_2 * A_2 + P_e * (A_1 - A_2) - F_0 + k_spring * y) / A_1)
     m_1 = P_1 * (A_1 * y + V_R1) / (R * rig["test.temperature_1_k"])
@@ -212,7 +213,7 @@ def main():
         total = K_p[min(abs(n_p) // span, len(K_p) - 1)] * n_p - K_v * n_v - K_a * (n_v - n_k(W_a) + n_k(W_a + W_v))
         demand = 0 if abs(n_p) < band else math.trunc(total / scale)
         state, s, slip = advance(state, s, slip, command, delay)
-        command = min(max(gain * min(max(demand, -2048), 2048) / 2048 * X, -limit), limit)
+        command = min(max(gain * min(max(demand, -most), most) / 2048 * X, -limit), limit)
         state, s, slip = advance(state, s, slip, command, T - delay)
 
 

@@ -186,6 +186,9 @@ fn not_now(of: u8) -> String {
         Some(Refusal::SpoolLost) => {
             "since a reset it is not known where the spool of the stepper valve is; set it to its null and say so (`pneudrive device valve at-null`)".to_owned()
         }
+        Some(Refusal::NoCode) => {
+            "the board's converter has no code for the largest command; set max_command_counts (operator.max_command_counts of the rig file) to at most null_code and at most 4095 - null_code: 2047 for a null code of 2048".to_owned()
+        }
         Some(Refusal::NoMoves) => "no test has been downloaded (`pneudrive run`)".to_owned(),
         None if of == code::TOKEN => {
             "it asks for a token; set PNEUDRIVE_TOKEN to the token that the rig was started with".to_owned()

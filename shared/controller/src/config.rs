@@ -125,7 +125,11 @@ impl Default for Config {
                 end_min: 0,
                 end_max: 24_896,
             },
-            drive: DriveConfig::Dac(DacConfig { null_code: DacCode::MIDDLE, inverted: false }),
+            drive: DriveConfig::Dac(DacConfig {
+                null_code: DacCode::MIDDLE,
+                inverted: false,
+                max_counts: MAX_COUNTS,
+            }),
             encoder_inverted: false,
             pressure_mask: ALL_BITS,
         }
@@ -290,6 +294,7 @@ fn drive(parameters: &Parameters) -> DriveConfig {
         DriveConfig::Dac(DacConfig {
             null_code: DacCode::new(parameters.scalar(id::NULL_CODE).unsigned_abs() as u16),
             inverted: parameters.scalar(id::OUTPUT_INVERTED) != 0,
+            max_counts: parameters.scalar(id::MAX_COMMAND_COUNTS) as i16,
         })
     } else {
         DriveConfig::Stepper {
@@ -337,6 +342,7 @@ mod tests {
             (id::ENCODER_STEP_COUNTS, 11),
             (id::HOLD_MS, 12),
             (id::LATE_OUTPUT_US, 13),
+            (id::MAX_COMMAND_COUNTS, 14),
         ])
         .expect("they go together");
         let proportional = law::proportional::Settings { gain: 2 };
@@ -348,7 +354,9 @@ mod tests {
         assert_eq!((config.law.velocity_dead_band, config.law.dead_band), (NonZeroU32::new(5), 6));
         assert_eq!(config.law.null_offset, -7);
         assert!(config.encoder_inverted);
-        assert_eq!(config.drive, DriveConfig::Dac(DacConfig { null_code: DacCode::MIDDLE, inverted: true }));
+        let dac = DacConfig { null_code: DacCode::MIDDLE, inverted: true, max_counts: 14 };
+        assert_eq!(config.drive, DriveConfig::Dac(dac));
+        assert_eq!((config.limits.largest_command, config.law.largest), (14, 14));
         assert_eq!((config.timing.late_sample_us, config.timing.host_silence_ms), (9, 10));
         assert_eq!((config.limits.encoder_step, config.timing.hold_ms), (11, 12));
         assert_eq!(config.timing.latest_output_us, 513);

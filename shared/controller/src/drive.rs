@@ -2,7 +2,8 @@
 //!
 //! - **DAC** (solenoid valve, thesis 6.3.2.2): the command is in counts of a 12-bit converter. The board writes
 //!   `clamp(null_code + polarity * counts, 0, 4095)`; only the board forms that code. At a null code of 2048 the
-//!   command +2048 has no code of its own and gets the code of +2047.
+//!   command +2048 has no code of its own and would get that of +2047, so a board arms with `max_command_counts` of at
+//!   most 2047 there ([`DacConfig::has_codes`]).
 //! - **Stepper** (thesis 6.3.2.1): the command is a spool location in steps. One pulse a sample goes toward it.
 //!   SPLLOC counts the pulses, since nothing measures the location.
 
@@ -65,6 +66,8 @@ pub struct DacConfig {
     pub null_code: DacCode,
     /// Whether a larger code retracts.
     pub inverted: bool,
+    /// The largest command to either side, counts; at most [`MAX_COUNTS`].
+    pub max_counts: i16,
 }
 
 impl DriveConfig {
@@ -78,13 +81,29 @@ impl DriveConfig {
     #[must_use]
     pub fn largest(&self) -> i16 {
         match self {
-            DriveConfig::Dac(_) => MAX_COUNTS,
+            DriveConfig::Dac(dac) => dac.max_counts,
             DriveConfig::Stepper { max_steps, .. } => *max_steps,
+        }
+    }
+
+    /// Whether a converter of 12 bits has a code for every command. A stepper needs none.
+    #[must_use]
+    pub fn has_codes(&self) -> bool {
+        match self {
+            DriveConfig::Dac(dac) => dac.has_codes(),
+            DriveConfig::Stepper { .. } => true,
         }
     }
 }
 
 impl DacConfig {
+    /// Whether each command up to the largest has a code of its own.
+    #[must_use]
+    pub fn has_codes(&self) -> bool {
+        let (null, largest) = (self.null_code.0, self.max_counts.unsigned_abs());
+        largest <= null && largest <= MAX_CODE - null
+    }
+
     /// The code for a command, within the converter's range for any command.
     #[must_use]
     pub fn code(&self, counts: i16) -> DacCode {
@@ -123,7 +142,7 @@ impl SpoolLocation {
 mod tests {
     use super::*;
 
-    const DAC: DacConfig = DacConfig { null_code: DacCode::MIDDLE, inverted: false };
+    const DAC: DacConfig = DacConfig { null_code: DacCode::MIDDLE, inverted: false, max_counts: MAX_COUNTS };
 
     #[test]
     fn null_is_the_null_code_and_polarity_turns_the_sign() {
@@ -137,6 +156,26 @@ mod tests {
         );
         assert_eq!([-2046, -2047, -2048].map(|counts| DAC.code(counts).get()), [2, 1, 0]);
         assert_eq!((inverted.code(i16::MIN).get(), inverted.code(i16::MAX).get()), (4095, 0));
+    }
+
+    /// The command is read back from the code, for every command that the drive stage lets pass.
+    #[test]
+    fn each_command_up_to_the_largest_has_a_code_of_its_own_exactly_where_the_stage_says_so() {
+        for (null_code, most) in
+            [(0, 0), (1, 1), (2000, 2000), (2048, 2047), (2100, 1995), (4094, 1), (4095, 0)]
+        {
+            for (max_counts, inverted) in (1..=MAX_COUNTS).flat_map(|most| [(most, false), (most, true)]) {
+                let dac = DacConfig { null_code: DacCode::new(null_code), inverted, max_counts };
+                let sign = if inverted { -1 } else { 1 };
+                let at_pin = |counts: i16| sign * (dac.code(counts).get() as i16 - null_code as i16);
+                let ends = [-max_counts, max_counts];
+                assert_eq!(dac.has_codes(), max_counts <= most, "{dac:?}");
+                assert_eq!(dac.has_codes(), ends.map(at_pin) == ends, "{dac:?}");
+                assert_eq!(DriveConfig::Dac(dac).largest(), max_counts);
+            }
+        }
+        let dac = DacConfig { max_counts: 2047, ..DAC };
+        assert!((-2047..=2047).all(|counts| dac.code(counts).get() == (2048 + counts) as u16));
     }
 
     #[test]

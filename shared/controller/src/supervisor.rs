@@ -61,11 +61,13 @@ pub enum Refusal {
     SpoolInDoubt = 9,
     /// Since a reset the spool location of a stepper valve is not known.
     SpoolLost = 10,
+    /// Arm: the board's converter has no code for the largest command.
+    NoCode = 11,
 }
 
 impl Refusal {
     /// Every refusal, in the order of the codes.
-    pub const ALL: [Refusal; 10] = [
+    pub const ALL: [Refusal; 11] = [
         Refusal::NotArmed,
         Refusal::Running,
         Refusal::NotReferenced,
@@ -76,6 +78,7 @@ impl Refusal {
         Refusal::NoConfiguration,
         Refusal::SpoolInDoubt,
         Refusal::SpoolLost,
+        Refusal::NoCode,
     ];
 
     /// The sent code.

@@ -110,7 +110,7 @@ fn codes_of_faults_and_refusals_are_fixed_and_unique() {
     }
     assert_eq!(Fault::from_code(0), None);
     let refusals = Refusal::ALL.map(Refusal::code);
-    assert_eq!(refusals, [1, 2, 3, 4, 5, 6, 7, 8, 9, 10]);
+    assert_eq!(refusals, [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11]);
     for refusal in Refusal::ALL {
         assert_eq!(Refusal::from_code(refusal.code()), Some(refusal));
     }

@@ -24,6 +24,8 @@ pub mod solenoid;
 pub mod stepper;
 pub mod stuck;
 
+use pneudrive_controller::drive::{DacCode, MAX_CODE};
+
 use crate::component::controller::{self, keys as controller_keys};
 use crate::component::dither::{self, Dither};
 use crate::key::{keys, words};
@@ -60,6 +62,19 @@ impl OperatorKind {
 
 keys! {
     MODEL: OperatorKind = choice("operator.model", "L(2)", "What moves the spool.");
+    MAX_COMMAND_COUNTS: i64 = integer("operator.max_command_counts", 2048, 1, 2048, "", "Largest command of a converter to either side. A board arms only if its converter of 12 bits has a code for it: with null_code 2048 up to 2047.").of(&["solenoid", "solenoid-empirical", "on-off"]);
+}
+
+/// The largest command with codes on both sides of the middle of a board's converter.
+pub const MAX_WITH_CODES: i64 = (MAX_CODE - DacCode::MIDDLE.get()) as i64;
+
+/// The largest command of a rig's drive stage to either side: counts of a converter, or steps.
+#[must_use]
+pub fn largest_command(rig: &Rig) -> i64 {
+    match rig.get(&keys::MODEL) {
+        OperatorKind::Stepper => rig.get(&stepper::keys::MAX_STEPS),
+        _ => rig.get(&keys::MAX_COMMAND_COUNTS),
+    }
 }
 
 /// The constraints on an operator's keys.

@@ -44,7 +44,7 @@ static TABLE: &[(&[&Key], &[When])] = &[
        &keys::controller::SCALE.key, &keys::controller::DEAD_BAND_COUNTS.key,
        &keys::controller::PRESSURE_FEEDBACK_GAIN.key], &[CLOSED]),
     (&[&keys::controller::VELOCITY_DEAD_BAND.key], &[CLOSED, NotZero(&keys::controller::VELOCITY_GAIN.key)]),
-    (&[&keys::controller::DELAY_S.key], &[SAMPLED]),
+    (&[&keys::controller::DELAY_S.key, &keys::operator::MAX_COMMAND_COUNTS.key], &[SAMPLED]),
     (&[&keys::controller::PROPORTIONAL_GAIN.key], &[CLOSED, NO_PROFILE]),
     (&[&keys::controller::INTEGRAL_BAND_COUNTS.key], &[NotZero(&keys::controller::INTEGRAL_GAIN.key)]),
     (&[&keys::controller::RELAY_HYSTERESIS_COUNTS.key], &[NotZero(&keys::controller::DEAD_BAND_COUNTS.key)]),

@@ -30,6 +30,8 @@ struct Constants {
     to_sample: [f64; 4],
     lag: f64,
     share: f64,
+    /// Largest command, counts.
+    largest: f64,
     lap: f64,
     span: f64,
     play: f64,
@@ -70,6 +72,7 @@ impl Constants {
             to_sample: spool(id::CASCADE_SPOOL_SAMPLE_PLACE),
             lag: get(id::CASCADE_SPOOL_LAG, 16),
             share: get(id::CASCADE_OUTPUT_SHARE, 16),
+            largest: get(id::MAX_COMMAND_COUNTS, 0),
             lap: get(id::CASCADE_OVERLAP, 16),
             span: get(id::CASCADE_SPAN, 16),
             play: get(id::CASCADE_PLAY, 16),
@@ -533,7 +536,7 @@ impl Oracle {
         if matches!(self.phase, Phase::Rest { .. }) && net.abs() < 0.036 * c.period {
             return 0.0;
         }
-        sign_of(net) * (c.lap + c.span * (share - c.leak).max(0.0) / (1.0 - c.leak)).clamp(0.0, 2048.0)
+        sign_of(net) * (c.lap + c.span * (share - c.leak).max(0.0) / (1.0 - c.leak)).clamp(0.0, c.largest)
     }
 
     fn through_play(&mut self) -> f64 {
@@ -559,7 +562,7 @@ impl Oracle {
         };
         let u = self.s + 2.25 * (goal - self.s) - 0.5 * self.c.lag * self.s_dot;
         self.first = first;
-        u.round().clamp(-2048.0, 2047.0) as i16
+        u.round().clamp(-self.c.largest, self.c.largest) as i16
     }
 
     /// What was commanded: where that takes the spool until the next sample.

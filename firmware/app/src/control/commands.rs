@@ -40,6 +40,10 @@ impl<R: BorrowMut<Recorder>> Control<R> {
         if self.configuration.is_lost() {
             return Err(Refusal::NoConfiguration);
         }
+        // The pin would have another command than the record.
+        if board.has_converter() && !self.config().drive.has_codes() {
+            return Err(Refusal::NoCode);
+        }
         self.log_fault(board);
         if let Some(learned) = learned {
             self.learn(learned, board);

@@ -223,6 +223,8 @@ fn spool(file: &mut RigFile, answers: &Answers, part: &Part) -> Result<(), Answe
         operator::OperatorKind::Empirical,
         "a spool with a position loop: second order",
     );
+    let codes = "the converter of a board has codes for so many to either side of its middle";
+    file.integer(&keys::operator::MAX_COMMAND_COUNTS, operator::MAX_WITH_CODES, codes);
     let from = format!("(2 pi f)^2, f = {}", described(&bandwidth, "Hz"));
     file.number(
         &keys::empirical::STIFFNESS_PER_MASS_PER_S2,

@@ -116,7 +116,7 @@ impl BringUp<'_> {
         let null_code =
             self.parameter(id::NULL_CODE).map_or(DacCode::MIDDLE, |code| DacCode::new(code as u16));
         let inverted = self.parameter(id::OUTPUT_INVERTED) == Some(1);
-        let code = DacConfig { null_code, inverted }.code(command as i16);
+        let code = DacConfig { null_code, inverted, max_counts: self.largest() as i16 }.code(command as i16);
         let volts = f64::from(code.get()) / f64::from(MAX_CODE) * REFERENCE_V;
         format!("{command:+} counts = {volts:.2} V at the pin")
     }

@@ -92,8 +92,9 @@ impl BringUp<'_> {
 
     /// The largest command, counts of a converter or steps.
     pub(super) fn largest(&self) -> i32 {
-        let steps = self.parameter(id::MAX_STEPS).filter(|_| self.is_stepper());
-        steps.unwrap_or(i32::from(MAX_COUNTS))
+        let largest = if self.is_stepper() { id::MAX_STEPS } else { id::MAX_COMMAND_COUNTS };
+        // Firmware without the parameter has the widest range.
+        self.parameter(largest).unwrap_or(i32::from(MAX_COUNTS))
     }
 
     /// A command of this percentage of the valve, from its null.

@@ -73,6 +73,7 @@ macro_rules! parameter_table {
                 27 SPOOL_MIN_NM "spool_min_nm" "nm" [i32::MIN, i32::MAX, -1_250_000] ("sensors.spool_min_mm" Scaled(6)) "" "Spool displacement at raw 0.";
                 28 SPOOL_MAX_NM "spool_max_nm" "nm" [i32::MIN, i32::MAX, 1_250_000] ("sensors.spool_max_mm" Scaled(6)) "" "Spool displacement at full scale.";
                 30 MAX_STEPS "max_steps" "steps" [1, COMMAND_MAX, 40] ("operator.max_steps" Whole) "L(20)" "Furthest location of a stepper from mid-travel.";
+               109 MAX_COMMAND_COUNTS "max_command_counts" "counts" [1, COMMAND_MAX, COMMAND_MAX] ("operator.max_command_counts" Whole) "" "Largest command of a converter to either side. A board arms only if its converter of 12 bits has a code for it: with null_code 2048 up to 2047.";
                 51 PULSE_WIDTH_US "pulse_width_us" "us" [1, 1000, 10] ("operator.pulse_width_us" Whole) "" "Length of a stepper's pulse.";
                 52 DIRECTION_SETUP_US "direction_setup_us" "us" [1, 1000, 10] ("operator.direction_setup_us" Whole) "" "A stepper's direction stands so long before the pulse.";
                 59 ENCODER_MODEL "encoder_model" "" [0, ENCODER_MAX, 0] ("encoder.model" Words(EncoderKind)) "" "0: quadrature. 1: potentiometer. 2: SSI. The last two need no homing.";

@@ -20,7 +20,7 @@ use super::number::{product, ratio, within};
 use crate::drive::MAX_COUNTS;
 use crate::parameters::{Parameters, id};
 
-/// Largest command, Q16.
+/// Largest command of any drive, Q16.
 const MOST: i32 = (MAX_COUNTS as i32) << 16;
 /// Places nearer than this are the same, Q16: 2 counts.
 const NEAR: i32 = 2 << 16;
@@ -28,6 +28,8 @@ const NEAR: i32 = 2 << 16;
 /// What it knows of the valve.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Constants {
+    /// Largest command, counts.
+    largest: i32,
     /// Q16.
     leakage: i32,
     lap: i32,
@@ -65,6 +67,7 @@ impl Constants {
         let (leakage, span) = (get(id::CASCADE_LEAKAGE), get(id::CASCADE_SPAN));
         let whole = u64::from(span.unsigned_abs());
         Constants {
+            largest: get(id::MAX_COMMAND_COUNTS),
             leakage,
             lap: get(id::CASCADE_OVERLAP),
             span: ratio(whole << 16, u64::from(((1 << 16) - leakage).unsigned_abs())).min(1 << 28) as i32,
@@ -106,7 +109,7 @@ impl Constants {
         let share =
             ratio(u64::from(asked.unsigned_abs()) << 16, u64::from(open.unsigned_abs())).min(1 << 16) as i32;
         let place = self.lap.saturating_add(product(self.span, (share - self.leakage).max(0), 16));
-        place.clamp(0, MOST).saturating_mul(net.signum())
+        place.clamp(0, self.largest << 16).saturating_mul(net.signum())
     }
 }
 
@@ -138,9 +141,7 @@ impl Valve {
         let way = within(goal.saturating_sub(self.place), 4 * MOST);
         let braked = product(self.speed, constants.lag, 17);
         let command = self.place.saturating_add(product(way, 9, 2)).saturating_sub(braked);
-        let counts = (command.saturating_add(1 << 15) >> 16)
-            .min(i32::from(MAX_COUNTS) - 1)
-            .max(-i32::from(MAX_COUNTS));
+        let counts = (command.saturating_add(1 << 15) >> 16).min(constants.largest).max(-constants.largest);
         self.command = counts << 16;
         let middle = self.through_play(constants.play);
         constants.sample.apply(self);
