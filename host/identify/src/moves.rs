@@ -125,7 +125,7 @@ fn scaled(rig: &Rig, counts: i32) -> i32 {
     if rig.get(&keys::operator::MODEL) != operator::OperatorKind::Stepper {
         return counts;
     }
-    let full = rig.get(&keys::stepper::MAX_STEPS) as f64;
+    let full = operator::largest_command(rig) as f64;
     (f64::from(counts) / f64::from(drive::MAX_COUNTS) * full).round() as i32
 }
 

@@ -29,9 +29,6 @@ use pneudrive_sim::{Accuracy, IntegrationError, Rig, Runner, keys};
 use super::course::{Steps, with_test};
 use super::draw::Place;
 
-/// The largest command of a converter, counts.
-const FULL_COUNTS: i64 = 2047;
-
 /// Time between the positions in which the standstill is looked for, s.
 const ROWS_S: f64 = 1e-4;
 
@@ -117,7 +114,7 @@ fn open_loop(rig: &Rig) -> Result<Rig> {
 /// How the nominal drive ends with the switch at this sample.
 fn stop(nominal: &Rig, steps: Steps, samples: u32, period_s: f64) -> Result<Stop> {
     let direction = (steps.to - steps.from).signum();
-    let full = direction * full_command(nominal);
+    let full = direction * operator::largest_command(nominal);
     let switch_s = (1e6 * f64::from(samples) * period_s).round() / 1e6;
     let duration_s = (1e6 * (BRAKING * switch_s + AFTERWARDS_S)).round() / 1e6;
     let moves = format!("test.moves=[[0.0, {full}], [{switch_s:?}, {}]]", -full);
@@ -146,14 +143,6 @@ fn standstill(rig: &Rig, direction: f64) -> Result<Option<Stop>, IntegrationErro
         let way_m = direction * (last.position - rows[0].position) + speed(last) * rest_s / 2.0;
         Stop { at_s: last.time + rest_s, way_m }
     }))
-}
-
-/// The command that opens the valve fully.
-fn full_command(rig: &Rig) -> i64 {
-    match rig.get(&keys::operator::MODEL) {
-        operator::OperatorKind::Stepper => rig.get(&keys::stepper::MAX_STEPS),
-        _ => FULL_COUNTS,
-    }
 }
 
 #[cfg(test)]

@@ -217,10 +217,7 @@ impl Space {
 
     /// The command that opens the valve fully, counts.
     fn full_counts(&self) -> f64 {
-        match self.rig.get(&keys::operator::MODEL) {
-            operator::OperatorKind::Stepper => self.rig.get(&keys::stepper::MAX_STEPS) as f64,
-            _ => 2048.0,
-        }
+        operator::largest_command(&self.rig) as f64
     }
 
     /// The gain that opens the valve fully at an error.

@@ -7,6 +7,7 @@
 
 use super::bench::{SpoolBench, decay_s};
 use super::{Characteristic, Figure, Graph, Unfit};
+use pneudrive_controller::drive::MAX_COUNTS;
 use pneudrive_report::Curve;
 use pneudrive_sim::Rig;
 use pneudrive_sim::component::dither::Dither;
@@ -76,10 +77,11 @@ pub fn sweep(rig: &Rig, dither: Dither, mut read: impl FnMut(&[f64]) -> f64) -> 
 
 /// The largest command of a rig's operator, and the spool's travel for one count, m.
 fn range(rig: &Rig) -> [f64; 2] {
-    if rig.get(&keys::operator::MODEL) == operator::OperatorKind::Stepper {
-        return [rig.get(&keys::stepper::MAX_STEPS) as f64, rig.get(&keys::stepper::MM_PER_STEP) * 1e-3];
-    }
-    [2048.0, rig.get(&keys::valve::SPOOL_TRAVEL_MM) * 1e-3 / 2048.0]
+    let for_one = match rig.get(&keys::operator::MODEL) {
+        operator::OperatorKind::Stepper => rig.get(&keys::stepper::MM_PER_STEP) * 1e-3,
+        _ => rig.get(&keys::valve::SPOOL_TRAVEL_MM) * 1e-3 / f64::from(MAX_COUNTS),
+    };
+    [operator::largest_command(rig) as f64, for_one]
 }
 
 /// Resolution of the command, m: a count, or a step of a stepper.

@@ -33,9 +33,6 @@ const STANDING: f64 = 1e-3;
 /// More than this share of the squared error is most of it.
 const MAX: f64 = 0.5;
 
-/// The largest command of a converter, counts.
-const FULL_COUNTS: i64 = 2048;
-
 /// The limit of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Limit {
@@ -156,10 +153,7 @@ impl Places {
         Places {
             dead_band: rig.get(&keys::controller::DEAD_BAND_COUNTS).max(1),
             standing: STANDING * 1e-3 * sine.top_speed_mm_s(),
-            full: match model {
-                operator::OperatorKind::Stepper => rig.get(&keys::stepper::MAX_STEPS),
-                _ => FULL_COUNTS,
-            },
+            full: operator::largest_command(rig),
             amplifier: model.is_solenoid().then(amplifier),
         }
     }
