@@ -14,7 +14,7 @@ use pneudrive_sim::Rig;
 use crate::{QemuTarget, Target, body};
 
 /// The file in which a rounding is changed, in a copy of the sources.
-const FILE: &str = "shared/controller/src/law.rs";
+const FILE: &str = "shared/controller/src/law/feedback.rs";
 
 /// The law's division toward zero, and what makes it one toward minus infinity: each negative demand that is
 /// no whole number is a count less.
