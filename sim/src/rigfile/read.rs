@@ -95,6 +95,10 @@ impl RigFile {
         if let Some(document) = reader.file.document() {
             reader.top(&mut rig, document.as_table());
         }
+        // A setting may take the effect of a key of the file away.
+        let mut of_file = rig.clone();
+        of_file.suit_others();
+        reader.in_vain = of_file.written_in_vain();
         RigFile { source: source.to_owned(), rig, noted: reader.into_noted() }
     }
 
@@ -109,10 +113,6 @@ impl RigFile {
     fn into_rig(self, settings: &[String]) -> Result<Rig, Problems> {
         let RigFile { source, mut rig, noted } = self;
         let mut reader = Reader::resume(&source, noted);
-        // A setting may take the effect of a key of the file away.
-        let mut of_file = rig.clone();
-        of_file.suit_others();
-        reader.in_vain = of_file.written_in_vain();
         for setting in settings {
             reader.setting(&mut rig, setting);
         }

@@ -33,6 +33,7 @@ pub(super) struct Noted {
     problems: Vec<Problem>,
     lines: BTreeMap<&'static str, Option<usize>>,
     gauge: BTreeMap<&'static str, Entry>,
+    in_vain: BTreeSet<&'static str>,
 }
 
 /// The item at a key.
@@ -54,16 +55,16 @@ impl<'a> Reader<'a> {
 
     /// Goes on after a file that was read under the name `source`.
     pub fn resume(source: &'a str, noted: Noted) -> Self {
-        let Noted { problems, lines, gauge } = noted;
+        let Noted { problems, lines, gauge, in_vain } = noted;
         let mut file = TomlFile::new(source, "");
         file.problems = problems;
-        Reader { file, lines, gauge, in_vain: BTreeSet::new() }
+        Reader { file, lines, gauge, in_vain }
     }
 
     /// The values found in the file.
     pub fn into_noted(self) -> Noted {
-        let Reader { file, lines, gauge, .. } = self;
-        Noted { problems: file.problems, lines, gauge }
+        let Reader { file, lines, gauge, in_vain } = self;
+        Noted { problems: file.problems, lines, gauge, in_vain }
     }
 
     /// Notes a contradiction; lines are known for keys that the file has.
