@@ -266,6 +266,7 @@ fn rigs() -> Vec<(String, Rig)> {
     let files = [
         ("poppet", include_str!("../../docs/examples/poppet.toml")),
         ("own drive", include_str!("../../host/evaluate/tests/cases/rest7207.toml")),
+        ("press", include_str!("cascade/press.toml")),
     ];
     let plain = BUILTIN.iter().map(|(name, text)| (*name, *text)).chain(files).map(|rig| (rig, &[][..]));
     let variants =
@@ -339,6 +340,26 @@ fn a_key_of_a_file_that_does_nothing_there_is_refused_with_what_keeps_it_from_it
         (
             "[controller]\ndead_zone_counts = 7\n",
             "controller.dead_zone_counts has no effect with controller.law = \"gain-profile\"",
+        ),
+        (
+            "[controller]\nlaw = \"cascade\"\nvelocity_gain = 5\n",
+            "controller.velocity_gain has no effect with controller.law = \"cascade\"",
+        ),
+        (
+            "[controller]\nlaw = \"cascade\"\nvelocity_dead_band = 5\n",
+            "controller.velocity_dead_band has no effect with controller.law = \"cascade\"",
+        ),
+        (
+            "[controller]\nlaw = \"cascade\"\nacceleration_feed_forward = 5\n",
+            "controller.acceleration_feed_forward has no effect with controller.law = \"cascade\"",
+        ),
+        (
+            "[controller]\nloop = \"open\"\nvelocity_dead_band = 5\n",
+            "controller.velocity_dead_band has no effect with controller.loop = \"open\"",
+        ),
+        (
+            "[controller]\nlaw = \"pid\"\nintegral_band_counts = 5\n",
+            "controller.integral_band_counts has no effect with controller.integral_gain = 0",
         ),
         (
             "[valve]\nmodel = \"single-restriction\"\nport_diameter_mm = 4.0\n",

@@ -15,7 +15,7 @@ pub struct Entry<'a> {
     pub origin: Origin,
 }
 
-/// Every key that the models of a rig use and that has a value, in the order of `rig explain`.
+/// Every key that a rig uses and that has a value, in the order of `rig explain`.
 pub fn entries(rig: &Rig) -> impl Iterator<Item = Entry<'_>> {
     rig.entries().filter(|(key, _)| rig.uses(key)).map(|(key, value)| Entry {
         key,

@@ -5,7 +5,7 @@ use pneudrive_sim::Rig;
 use pneudrive_sim::component::actuator::leakage;
 use pneudrive_sim::keys;
 use pneudrive_sim::rig::MAX_DISCHARGE;
-use pneudrive_sim::rig::{Key, Kind, all_keys, chooser, find_key};
+use pneudrive_sim::rig::{Key, Kind, all_keys, find_key};
 
 /// Tables whose numbers are physical; of `[test]` the initial state is.
 const TABLES: [&str; 9] =
@@ -101,10 +101,8 @@ impl Parameter {
         if !physical {
             return Err(not_physical(path));
         }
-        if !rig.uses(key) {
-            let chooser = chooser(key).map_or("model", |chooser| chooser.path);
-            let model = rig.word_at(chooser).unwrap_or_default();
-            bail!("{path} cannot be fitted: the rig's {chooser} = {model:?} does not use it");
+        if let Some(why) = rig.idle(key) {
+            bail!("{path} cannot be fitted: it has no effect with {why}");
         }
         let start = rig
             .number_at(path)
@@ -350,7 +348,7 @@ mod tests {
         let (bristles, lugre) = ("load.bristle_stiffness_n_per_m", "[load]\nfriction = \"lugre\"\n");
         assert!(paths(lugre).contains(&bristles) && !paths("").contains(&bristles));
         let refused = Parameter::of(&rig(""), bristles).expect_err("refused").to_string();
-        assert!(refused.contains("load.friction = \"coulomb\" does not use it"), "{refused}");
+        assert!(refused.contains("has no effect with load.friction = \"coulomb\""), "{refused}");
         assert!(Parameter::of(&rig(lugre), bristles).expect("fitted").prior > 0.5);
     }
 
@@ -360,8 +358,9 @@ mod tests {
         assert!(refused("load.mas").contains("there is no key"));
         assert!(refused("controller.scale").contains("not a physical number"));
         assert!(refused("test.duration_s").contains("not a physical number"));
-        assert!(refused("operator.mm_per_step").contains("does not use it"));
-        assert!(refused("actuator.leakage_coefficient").contains("above 0"));
+        assert!(refused("operator.mm_per_step").contains("has no effect with operator.model = \"solenoid\""));
+        assert!(refused("actuator.leakage_coefficient").contains("no effect with actuator.leakage = \"none\""));
+        assert!(refused("actuator.heat_transfer_w_per_m2_k").contains("above 0"));
         assert!(refused("test.pressure_1_pa").contains("no value"));
     }
 }

@@ -88,16 +88,6 @@ impl Rig {
     pub fn entries(&self) -> impl Iterator<Item = (&'static Key, &Value)> {
         all_keys().filter_map(|key| self.values.get(key.path).map(|value| (key, value)))
     }
-
-    /// Whether the chosen models use a key: the model that it belongs to, and the model of the key that chooses among
-    /// these.
-    #[must_use]
-    pub fn uses(&self, key: &Key) -> bool {
-        let is_chosen = |chooser: &Key| {
-            self.uses(chooser) && self.word_at(chooser.path).is_some_and(|model| key.models.contains(&model))
-        };
-        key.models.is_empty() || chooser(key).is_some_and(is_chosen)
-    }
 }
 
 #[cfg(test)]

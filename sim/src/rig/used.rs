@@ -10,7 +10,7 @@ use crate::key::Key;
 use crate::keys;
 use crate::values::{Findings, Rig, Value};
 
-/// What must hold of another key.
+/// What must hold of another key, which must have an effect itself.
 enum When {
     /// It has one of these words; of a switch `true` or `false`.
     Is(&'static Key, &'static [&'static str]),
@@ -28,7 +28,10 @@ use When::{Any, Given, Is, IsNot, NotZero};
 
 const SAMPLED: When = Is(&keys::controller::MODEL.key, &["sampled"]);
 const CLOSED: When = Is(&keys::controller::LOOP.key, &["closed"]);
-const NO_PROFILE: When = IsNot(&keys::controller::LAW.key, &[Law::GainProfile.word()]);
+/// Laws that sum up what they feed back, those of them with one gain on the error, and those that feed forward.
+const SUM: When = IsNot(&keys::controller::LAW.key, &[Law::Cascade.word()]);
+const ONE_GAIN: When = IsNot(&keys::controller::LAW.key, &[Law::GainProfile.word(), Law::Cascade.word()]);
+const FEED_FORWARD: When = IsNot(&keys::controller::LAW.key, &[Law::OnOff.word(), Law::Cascade.word()]);
 const NO_RELAY: When = IsNot(&keys::controller::LAW.key, &[Law::OnOff.word()]);
 const PRESSURES: When = Is(&keys::sensors::PRESSURE.key, &["true"]);
 const MEASURED_FORCE: When = Is(&keys::flow_force::FLOW_FORCE.key, &["experimental"]);
@@ -40,19 +43,19 @@ const LIMITED: When =
 /// Keys, and all that must hold for them to have an effect besides their models.
 #[rustfmt::skip]
 static TABLE: &[(&[&Key], &[When])] = &[
-    (&[&keys::controller::LAW.key, &keys::controller::VELOCITY_GAIN.key, &keys::controller::ACCELERATION_GAIN.key,
-       &keys::controller::SCALE.key, &keys::controller::DEAD_BAND_COUNTS.key,
-       &keys::controller::PRESSURE_FEEDBACK_GAIN.key], &[CLOSED]),
-    (&[&keys::controller::VELOCITY_DEAD_BAND.key], &[CLOSED, NotZero(&keys::controller::VELOCITY_GAIN.key)]),
+    (&[&keys::controller::LAW.key], &[CLOSED]),
+    (&[&keys::controller::VELOCITY_GAIN.key, &keys::controller::ACCELERATION_GAIN.key, &keys::controller::SCALE.key,
+       &keys::controller::DEAD_BAND_COUNTS.key, &keys::controller::PRESSURE_FEEDBACK_GAIN.key], &[SUM]),
+    (&[&keys::controller::VELOCITY_DEAD_BAND.key], &[NotZero(&keys::controller::VELOCITY_GAIN.key)]),
     (&[&keys::controller::DELAY_S.key, &keys::operator::MAX_COMMAND_COUNTS.key], &[SAMPLED]),
-    (&[&keys::controller::PROPORTIONAL_GAIN.key], &[CLOSED, NO_PROFILE]),
+    (&[&keys::controller::PROPORTIONAL_GAIN.key], &[ONE_GAIN]),
     (&[&keys::controller::INTEGRAL_BAND_COUNTS.key], &[NotZero(&keys::controller::INTEGRAL_GAIN.key)]),
     (&[&keys::controller::RELAY_HYSTERESIS_COUNTS.key], &[NotZero(&keys::controller::DEAD_BAND_COUNTS.key)]),
-    (&[&keys::controller::NULL_OFFSET_COUNTS.key], &[CLOSED, NO_RELAY]),
-    (&[&keys::controller::VELOCITY_FEED_FORWARD.key, &keys::controller::ACCELERATION_FEED_FORWARD.key,
-       &keys::controller::LEARN_NULL_OFFSET.key], &[SAMPLED, CLOSED, NO_RELAY]),
-    (&[&keys::controller::LEARNING_GAIN.key],
-     &[Is(&keys::controller::LEARN_NULL_OFFSET.key, &["true"]), SAMPLED, CLOSED, NO_RELAY]),
+    (&[&keys::controller::NULL_OFFSET_COUNTS.key], &[NO_RELAY]),
+    (&[&keys::controller::VELOCITY_FEED_FORWARD.key, &keys::controller::ACCELERATION_FEED_FORWARD.key],
+     &[SAMPLED, FEED_FORWARD]),
+    (&[&keys::controller::LEARN_NULL_OFFSET.key], &[SAMPLED, NO_RELAY]),
+    (&[&keys::controller::LEARNING_GAIN.key], &[Is(&keys::controller::LEARN_NULL_OFFSET.key, &["true"])]),
     (&[&keys::sensors::PRESSURE_LAG_S.key, &keys::sensors::PRESSURE_1_GAIN_ERROR_PERCENT.key,
        &keys::sensors::PRESSURE_1_OFFSET_ERROR_PA.key, &keys::sensors::PRESSURE_2_GAIN_ERROR_PERCENT.key,
        &keys::sensors::PRESSURE_2_OFFSET_ERROR_PA.key], &[PRESSURES]),
@@ -94,7 +97,7 @@ impl When {
                 return broken.map(|all| all.join(" and "));
             }
         };
-        (!holds).then(|| in_words(rig, key))
+        rig.idle(key).or_else(|| (!holds).then(|| in_words(rig, key)))
     }
 }
 
@@ -115,6 +118,12 @@ fn in_words(rig: &Rig, key: &Key) -> String {
 }
 
 impl Rig {
+    /// Whether a key has an effect in this rig.
+    #[must_use]
+    pub fn uses(&self, key: &Key) -> bool {
+        self.idle(key).is_none()
+    }
+
     /// Why a key has no effect in this rig: what it stands beside, such as `valve.model = "iso-6358"`. None where it has one.
     #[must_use]
     pub fn idle(&self, key: &Key) -> Option<String> {
@@ -134,7 +143,7 @@ impl Rig {
     /// Keys that were set and that have no effect.
     #[must_use]
     pub fn unused(&self) -> Vec<&'static str> {
-        let unused = |key: &&Key| self.is_set(key) && self.idle(key).is_some();
+        let unused = |key: &&Key| self.is_set(key) && !self.uses(key);
         all_keys().filter(unused).map(|key| key.path).collect()
     }
 
@@ -151,6 +160,9 @@ impl Rig {
 
     /// Notes those of some keys that were written in vain.
     pub(super) fn note_idle(&self, keys: &BTreeSet<&'static str>, findings: &mut Findings) {
+        if keys.is_empty() {
+            return;
+        }
         for path in self.written_in_vain().intersection(keys) {
             let why = find_key(path).and_then(|key| self.idle(key));
             findings.0.push((path, format!("has no effect with {}: leave it out", why.unwrap_or_default())));
