@@ -266,7 +266,6 @@ fn rigs() -> Vec<(String, Rig)> {
     let files = [
         ("poppet", include_str!("../../docs/examples/poppet.toml")),
         ("own drive", include_str!("../../host/evaluate/tests/cases/rest7207.toml")),
-        ("press", include_str!("cascade/press.toml")),
     ];
     let plain = BUILTIN.iter().map(|(name, text)| (*name, *text)).chain(files).map(|rig| (rig, &[][..]));
     let variants =

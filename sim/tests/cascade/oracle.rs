@@ -536,7 +536,7 @@ impl Oracle {
         if matches!(self.phase, Phase::Rest { .. }) && net.abs() < 0.036 * c.period {
             return 0.0;
         }
-        sign_of(net) * (c.lap + c.span * (share - c.leak).max(0.0) / (1.0 - c.leak)).clamp(0.0, c.largest)
+        sign_of(net) * (c.lap + c.span * (share - c.leak).max(0.0) / (1.0 - c.leak)).clamp(0.0, 2048.0)
     }
 
     fn through_play(&mut self) -> f64 {

@@ -109,7 +109,7 @@ impl Constants {
         let share =
             ratio(u64::from(asked.unsigned_abs()) << 16, u64::from(open.unsigned_abs())).min(1 << 16) as i32;
         let place = self.lap.saturating_add(product(self.span, (share - self.leakage).max(0), 16));
-        place.clamp(0, self.largest << 16).saturating_mul(net.signum())
+        place.clamp(0, MOST).saturating_mul(net.signum())
     }
 }
 
