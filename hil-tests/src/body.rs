@@ -16,7 +16,7 @@ use pneudrive_controller::Fault;
 use pneudrive_controller::parameters::id;
 use pneudrive_link::client::Client;
 use pneudrive_protocol::Mode;
-use pneudrive_sim::{Accuracy, Rig};
+use pneudrive_sim::{Accuracy, Rig, keys};
 
 pub use run::{as_built_in, assert_equal_in_every_integer, rig, run_and_record, start_run};
 
@@ -199,7 +199,7 @@ pub fn commands_without_a_code(start: Start) {
         let beyond = [(id::NULL_CODE, null_code), (id::MAX_COMMAND_COUNTS, most + 1)];
         client.change_parameters(&beyond).expect("disarmed");
         let refused = client.arm().expect_err("there is no code for it").to_string();
-        assert!(refused.contains("max_command_counts"), "{}: {refused}", target.name());
+        assert!(refused.contains(keys::operator::MAX_COMMAND_COUNTS.name()), "{}: {refused}", target.name());
         client.set_parameters(id::MAX_COMMAND_COUNTS, &[most]).expect("disarmed");
         client.arm().expect("a code for each command");
         client.disarm().expect("an answer");

@@ -190,7 +190,7 @@ fn a_machine_builder_comes_from_data_sheets_to_a_step_within_a_twentieth_of_a_mi
     );
     assert!(!told.contains("pneudrive tune"), "{told}");
     run("simulate", &[&file, "--out", &step]);
-    let told = run("eval --json", &[&step]);
+    let told = run("eval --json", &[&step, "--out", &at("eval.html")]);
     let figures: serde_json::Value = serde_json::from_str(&told).expect("JSON");
     let last = figures["result"]["moves"].as_array().and_then(|moves| moves.last()).expect("moves");
     assert!(last["settled_s"]["value"].as_f64().is_some(), "{last}");

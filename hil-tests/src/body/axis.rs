@@ -4,7 +4,7 @@ use std::sync::atomic::AtomicBool;
 
 use pneudrive_controller::Fault;
 use pneudrive_protocol::Mode;
-use pneudrive_sim::{Accuracy, Rig, run};
+use pneudrive_sim::{Accuracy, Rig, keys, run};
 
 use super::Start;
 use super::run::{assert_equal_in_every_integer, replayed, rig, run_and_record, run_on};
@@ -13,7 +13,7 @@ use super::run::{assert_equal_in_every_integer, replayed, rig, run_and_record, r
 fn faulty(event: &str) -> Rig {
     let text = pneudrive_sim::rigfile::builtin("servo-b-tuned").expect("a built-in rig");
     let text = format!("{text}\n[[faults.event]]\n{event}\n");
-    let codes = ["operator.max_command_counts=2047".to_owned()];
+    let codes = [keys::operator::MAX_COMMAND_COUNTS.setting(2047)];
     Rig::read_with("servo-b-tuned", &text, &codes).unwrap_or_else(|problems| panic!("{problems}"))
 }
 

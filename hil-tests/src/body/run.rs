@@ -24,7 +24,8 @@ pub fn rig(name: &str, settings: &[&str]) -> Rig {
     if rig.get(&keys::operator::MODEL) == OperatorKind::Stepper {
         return rig;
     }
-    as_built_in(name, &[settings, &["operator.max_command_counts=2047"]].concat())
+    let codes = keys::operator::MAX_COMMAND_COUNTS.setting(2047);
+    as_built_in(name, &[settings, &[&codes]].concat())
 }
 
 /// A built-in rig with settings, the converter that of the thesis.

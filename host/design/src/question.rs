@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use pneudrive_sim::component::controller::Law;
 use pneudrive_sim::rigfile::{Reading, read_quantity};
 
 use crate::flow_answer::StatedFlow;
@@ -59,7 +60,7 @@ pub static QUESTIONS: &[Question] = &[
     question("supply", "Supply pressure, gauge (bar(g)) or absolute (bar(a))", "Pa", "6 bar(g)", "6 bar(g)"),
     question("resolution", "Stroke per count of the encoder, all four edges counted", "mm", "5 um", "10 um"),
     question("period", "Sample period of the controller", "s", "1 ms", "1 ms"),
-    question("law", "Control law, \"cascade\" or \"gain-profile\"", "text", "gain-profile", "cascade where the drive has what it needs, otherwise gain-profile"),
+    question("law", "Control law: by a model of the drive, or by gains", "text", Law::GainProfile.word(), "cascade where the drive has what it needs, otherwise gain-profile"),
 ];
 
 /// The question whose answer may have the pressures of the flow.

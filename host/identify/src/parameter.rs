@@ -359,7 +359,9 @@ mod tests {
         assert!(refused("controller.scale").contains("not a physical number"));
         assert!(refused("test.duration_s").contains("not a physical number"));
         assert!(refused("operator.mm_per_step").contains("has no effect with operator.model = \"solenoid\""));
-        assert!(refused("actuator.leakage_coefficient").contains("no effect with actuator.leakage = \"none\""));
+        assert!(
+            refused("actuator.leakage_coefficient").contains("no effect with actuator.leakage = \"none\"")
+        );
         assert!(refused("actuator.heat_transfer_w_per_m2_k").contains("above 0"));
         assert!(refused("test.pressure_1_pa").contains("no value"));
     }

@@ -204,7 +204,7 @@ fn plans(source: &(String, String), settings: &[String]) -> Result<Vec<Plan>> {
             let with: Vec<&str> = complete.iter().chain(*keys).copied().collect();
             if applies(&reference, keys)
                 && let Ok(rig) = read(&with)
-                && rig != reference
+                && differ(&rig, &reference)
             {
                 plans.push(Plan { component, model, rig });
             }
@@ -244,6 +244,11 @@ fn others<C: Choice>(
         Some(Plan { component, model, rig })
     };
     others.filter(|word| C::of_word(word).is_some_and(&may)).filter_map(plan).collect()
+}
+
+/// Whether a value that one of two rigs uses is another one in the other.
+fn differ(rig: &Rig, other: &Rig) -> bool {
+    rig.entries().any(|(key, value)| other.value(key.path) != Some(value))
 }
 
 /// Whether the keys mean something on a rig as it is: an operator that it has, a valve that has a node.

@@ -61,9 +61,10 @@ pub(crate) fn check(rig: &Rig, findings: &mut Findings) {
     if rig.get(&operator::keys::MODEL) != OperatorKind::Solenoid {
         return;
     }
-    let force = rig.get(&keys::FORCE_GAIN_N_PER_MM) * rig.get(&amplifier::keys::SATURATION_MM);
-    let [into_stop_mm, travel_mm] =
-        [force / rig.get(&keys::STOP_STIFFNESS_N_PER_M), spool_travel(rig)].map(|metres| 1e3 * metres);
+    let travel_mm = 1e3 * spool_travel(rig);
+    let asked_mm = rig.get(&amplifier::keys::AMPLIFIER_GAIN) * travel_mm;
+    let force = rig.get(&keys::FORCE_GAIN_N_PER_MM) * asked_mm.min(rig.get(&amplifier::keys::SATURATION_MM));
+    let into_stop_mm = 1e3 * force / rig.get(&keys::STOP_STIFFNESS_N_PER_M);
     if into_stop_mm > travel_mm {
         let message = format!(
             "the coil presses the spool {into_stop_mm:.3} mm into its stop, more than its travel of {travel_mm} mm: give a stiffer stop, or a smaller operator.force_gain_n_per_mm"
