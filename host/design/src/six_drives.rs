@@ -1,6 +1,8 @@
 //! Six drives of the catalogue on which control laws are compared: 20 to 63 mm of bore, 1 to 30 kg, level and vertical, all with
 //! an encoder of 10 um and a sample period of 1 ms.
 
+use pneudrive_sim::component::controller::Law;
+
 use crate::own_drive::rig_file;
 use crate::question::{Answers, question_of};
 
@@ -76,7 +78,7 @@ pub static SIX_DRIVES: [(&str, Given); 6] = [
 pub fn rig_file_of(name: &str) -> Option<String> {
     let (name, given) = SIX_DRIVES.iter().find(|(drive, _)| *drive == name)?;
     let mut answers = Answers::default();
-    let common = [("resolution", "10 um"), ("period", "1 ms"), ("law", "gain-profile")];
+    let common = [("resolution", "10 um"), ("period", "1 ms"), ("law", Law::GainProfile.word())];
     for (question, text) in given.iter().chain(&common) {
         let question = question_of(question).unwrap_or_else(|| panic!("no question {question}"));
         answers.answer(question, text);

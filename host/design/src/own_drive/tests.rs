@@ -58,19 +58,18 @@ fn the_first_step_of_a_gain_profile_arrives_within_2_percent_of_the_stroke() {
     }
 }
 
-/// The law that positions is written wherever it can be. A step of it ends within a twentieth of a millimetre where the file is
-/// right, and within a fifth whatever the valve's overlap turns out to be.
+/// The law that positions is written wherever it can be. A step of it ends within a fifth of a millimetre whatever the valve's
+/// overlap turns out to be; that of the press within a twentieth.
 #[test]
-fn the_first_step_of_a_drive_that_has_a_model_arrives_within_a_twentieth_of_a_millimetre() {
+fn the_first_step_of_a_drive_that_has_a_model_arrives_within_a_fifth_of_a_millimetre() {
     for more in FIRST_STEPS {
         let own = rig(&with(more));
         let has_tubes = more.iter().any(|(question, _)| *question == "tube");
         let law = if has_tubes { Law::GainProfile } else { Law::Cascade };
         assert_eq!(own.get(&keys::controller::LAW), law, "{more:?}");
         let target = 0.75 * own.get(&keys::actuator::STROKE_M);
-        let assumed = own.get(&keys::valve::UNDERLAP_MM);
-        let overlaps_mm = [(assumed, 0.05e-3), (0.0, 0.2e-3), (0.025, 0.2e-3), (0.05, 0.2e-3)];
-        for (overlap_mm, within) in overlaps_mm.into_iter().filter(|_| law == Law::Cascade) {
+        let within = if more.is_empty() { 0.05e-3 } else { 0.2e-3 };
+        for overlap_mm in [0.0, 0.025, 0.05].into_iter().filter(|_| law == Law::Cascade) {
             let (end, furthest) = first_step(&own, overlap_mm);
             assert!((end - target).abs() < within, "{more:?} {overlap_mm}: ends at {end} m");
             assert!(furthest < target + 2.0 * within, "{more:?} {overlap_mm}: not beyond, to {furthest} m");
