@@ -30,7 +30,7 @@ use crate::component::controller::{self, keys as controller_keys};
 use crate::component::dither::{self, Dither};
 use crate::key::{keys, words};
 use crate::values::{Findings, Rig};
-pub(crate) use closed_form::{FreeMotion, Limit, Met, Quantity, Search, rounding};
+pub(crate) use closed_form::{FreeMotion, Limit, Met, Oscillator, Quantity, Search, rounding};
 use empirical::Empirical;
 use on_off::OnOff;
 pub use request::{Request, within_range};

@@ -23,7 +23,7 @@ pub(crate) use first_limit::{Limit, Met, Quantity, Search, rounding};
 
 /// A damped oscillator.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Oscillator {
+pub(crate) struct Oscillator {
     /// w0^2, 1/s^2, above 0.
     pub stiffness_per_mass: f64,
     /// 2 a, 1/s.
@@ -79,6 +79,21 @@ pub(crate) struct FreeMotion {
 /// |(w0^2 - (2 pi f)^2)^2 + (2 a 2 pi f)^2| below which, over w0^4, an oscillator without damping is in
 /// resonance.
 const RESONANCE: f64 = 1e-12;
+
+impl Oscillator {
+    /// Phi over a time: what becomes of a place of 1 and of a speed of 1 without a drive, position then velocity each.
+    pub(crate) fn transition(self, time: f64) -> [[f64; 2]; 2] {
+        let still =
+            Forcing { steady: 0.0, swing: Dither { amplitude: 0.0, frequency_hz: 0.0, phase_cycles: 0.0 } };
+        let from = |position, velocity| {
+            let start = SpoolState { position, velocity };
+            let end = FreeMotion::new(self, still, 0.0, start).map_or(start, |flight| flight.at(time));
+            [end.position, end.velocity]
+        };
+        let [place, speed] = [from(1.0, 0.0), from(0.0, 1.0)];
+        [[place[0], speed[0]], [place[1], speed[1]]]
+    }
+}
 
 impl FreeMotion {
     /// From the state `start` at `t`; None in a resonance without damping.
@@ -186,6 +201,32 @@ mod tests {
 
     const SWING: Dither = Dither { amplitude: 200.0, frequency_hz: 50.0, phase_cycles: 0.1 };
     const START: SpoolState = SpoolState { position: 2e-4, velocity: -0.1 };
+
+    /// The half of a time twice is the whole, and a short one is its rate, at all dampings.
+    #[test]
+    fn a_transition_is_an_exponential() {
+        for damping_per_mass in [0.0, 300.0, 1013.13, 4000.0] {
+            let oscillator = Oscillator { stiffness_per_mass: 256_610.0, damping_per_mass };
+            let [half, whole] = [0.5e-3, 1e-3].map(|time| oscillator.transition(time));
+            for i in 0..2 {
+                for j in 0..2 {
+                    let twice = half[i][0] * half[0][j] + half[i][1] * half[1][j];
+                    let scale = [[1.0, 1e-3], [500.0, 1.0]][i][j];
+                    assert!((twice - whole[i][j]).abs() < 1e-12 * scale, "{damping_per_mass}: {i} {j}");
+                }
+            }
+            let short = 1e-9;
+            let rate = oscillator.transition(short)[1];
+            assert!(
+                (rate[0] / short + oscillator.stiffness_per_mass).abs()
+                    < 1e-5 * oscillator.stiffness_per_mass
+            );
+            assert!(
+                ((1.0 - rate[1]) / short - damping_per_mass).abs()
+                    < 1e-3 * oscillator.stiffness_per_mass.sqrt()
+            );
+        }
+    }
 
     /// Below, at and above the critical damping, and without any.
     const OSCILLATORS: [Oscillator; 4] = [

@@ -16,6 +16,7 @@ use pneudrive_controller::parameters::id;
 use crate::component::actuator::Actuator;
 use crate::component::encoder::pulse;
 use crate::component::load::Load;
+use crate::component::operator::Oscillator;
 use crate::component::valve::flow_law::FlowLaw;
 use crate::component::valve::iso6358::{Iso6358, REFERENCE_DENSITY, REFERENCE_TEMPERATURE};
 use crate::component::valve::lands::CharacteristicKind as Characteristic;
@@ -159,10 +160,11 @@ impl Drive {
         let count = spool_travel(rig) / 2048.0 * rig.get(&keys::amplifier::AMPLIFIER_GAIN);
         let lap = rig.get(&keys::valve::UNDERLAP_MM) * 1e-3;
         let play = rig.get(&keys::hysteresis::HYSTERESIS_PERCENT) / 100.0 * spool_travel(rig);
-        let w2 = rig.get(&keys::empirical::STIFFNESS_PER_MASS_PER_S2);
-        let damping = rig.get(&keys::empirical::DAMPING_PER_S);
-        let [output, sample] =
-            [self.delay, self.period - self.delay].map(|time| transition(w2, damping, time));
+        let oscillator = Oscillator {
+            stiffness_per_mass: rig.get(&keys::empirical::STIFFNESS_PER_MASS_PER_S2),
+            damping_per_mass: rig.get(&keys::empirical::DAMPING_PER_S),
+        };
+        let [output, sample] = [self.delay, self.period - self.delay].map(|time| oscillator.transition(time));
         let t = self.period;
         vec![
             (id::CASCADE_SPOOL_OUTPUT_PLACE, fixed(output[0][0], 30)),
@@ -194,17 +196,6 @@ impl Drive {
             (id::CASCADE_WAY_FLOW, fixed(WAY_FLOW, 16)),
         ]
     }
-}
-
-/// exp([[0, 1], [-w2, -damping]] time), as (1 + A time/1024)^1024.
-fn transition(w2: f64, damping: f64, time: f64) -> [[f64; 2]; 2] {
-    let h = time / 1024.0;
-    let mut m = [[1.0 - 0.5 * h * h * w2, h], [-h * w2, 1.0 - h * damping]];
-    for _ in 0..10 {
-        let product = |i: usize, j: usize| m[i][0] * m[0][j] + m[i][1] * m[1][j];
-        m = [[product(0, 0), product(0, 1)], [product(1, 0), product(1, 1)]];
-    }
-    m
 }
 
 /// The drives that the law has a model of.
