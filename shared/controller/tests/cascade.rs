@@ -55,6 +55,7 @@ fn keeps_its_bounds(law: &Cascade) -> bool {
         && (19_600..=2 << 16).contains(&load.friction)
         && load.viscous >= 0
         && law.motion().d.abs() <= 1 << 24
+        && (1 << 15..=3 << 16).contains(&law.lag().pace)
 }
 
 #[test]

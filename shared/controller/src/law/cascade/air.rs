@@ -17,7 +17,7 @@
 //! | L | counts | 16 to 2^25 | 1 |
 //! | 1/L | Q32 | | 2^-32 |
 //! | K | Q30 | 0 to 0.7 | 2e-3 of it, at a stroke of 10^6 counts |
-//! | E, R | Q24 | 0 to 16 | 1e-4 of the largest |
+//! | E, R | Q24 | 0 to 32 | 1e-4 of the largest |
 
 use super::number::{product, root};
 use crate::fixed::saturate;

@@ -47,13 +47,14 @@ impl Flow {
         Flow { force, unknown: 0 }
     }
 
-    /// Takes a sample: the measured force and the rate that is known, both Q24.
-    pub(super) fn observe(&mut self, constants: &Constants, force: i32, rate: i32) {
+    /// Takes a sample: the measured force and the rate that is known, both Q24; returns the error of what was expected.
+    pub(super) fn observe(&mut self, constants: &Constants, force: i32, rate: i32) -> i32 {
         let expected = self.force.saturating_add(rate).saturating_add(self.unknown());
         let error = force.saturating_sub(expected);
         self.force = expected.saturating_add(product(error, constants.force, 30));
         let change = (i64::from(error) * i64::from(constants.rate)) >> 14;
         self.unknown = (self.unknown + change).clamp(-MOST, MOST);
+        error
     }
 
     /// g, force a sample, Q24.

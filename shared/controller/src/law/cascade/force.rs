@@ -3,11 +3,11 @@
 //! ```text
 //! wanted      Fw = M/A (a_r + 2 p e' + p^2 e) + B v_r + Fc sgn(v_s) + d        within 0.8 (1 - Pe) of the smaller area
 //! rate        g  = M/A j_s + B a_s + f (Fw - F) + K (v + v_s - v_r) - g_unknown
-//! at rest     g  = 0.2 f (Fh - F) - g_unknown          on bristles  g = 0.7 f (Fh - D v - F) + K v - g_unknown
 //! ```
 //!
 //! r: the reference now; s: the reference a dead time later, when the valve will have answered. M, B, Fc, K: [`super::load`] and
-//! [`super::air`]. The unit of g is force a sample (Q24); poles f and p are Q16 a sample.
+//! [`super::air`]. The unit of g is force a sample (Q24); poles f and p are Q16 a sample, by the
+//! dead time that [`super::lag`] has learned. [`super::rest`] has what holds a load at rest.
 
 use super::air::{self, Air};
 use super::load::{self, Load};
@@ -20,12 +20,9 @@ use crate::profile::Point;
 /// Poles and limits.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Constants {
-    /// f, p in Q16 and p^2 in Q30.
+    /// f, p in Q16.
     force_pole: i32,
     position_pole: i32,
-    square: i32,
-    /// The dead time, samples in Q16.
-    pub(super) dead_time: i32,
     /// Largest wanted force.
     most: i32,
 }
@@ -39,18 +36,17 @@ pub(super) struct Seen<'a> {
     pub air: &'a Air,
     /// F, Q24.
     pub force: i32,
+    /// The poles over those by the rig file, Q16.
+    pub swift: i32,
 }
 
 impl Constants {
     pub(super) fn of(parameters: &Parameters, air: &air::Constants) -> Constants {
         let get = |id| parameters.scalar(id);
-        let position_pole = get(id::CASCADE_POSITION_POLE);
         let pull = product(air::ONE - air.exhaust, air.ratio, 24);
         Constants {
             force_pole: get(id::CASCADE_FORCE_POLE),
-            position_pole,
-            square: product(position_pole, position_pole, 2),
-            dead_time: get(id::CASCADE_DEAD_TIME),
+            position_pole: get(id::CASCADE_POSITION_POLE),
             most: product(pull, 52_429, 16),
         }
     }
@@ -60,7 +56,8 @@ impl Constants {
         let Seen { load, of_load, motion, .. } = seen;
         let late = now.v.saturating_sub(motion.v);
         let short = saturate(now.x.wrapping_sub(motion.x));
-        let fed_back = product(late, self.position_pole, 15).saturating_add(product(short, self.square, 30));
+        let pole = product(self.position_pole, seen.swift, 16);
+        let fed_back = product(late, pole, 15).saturating_add(product(short, product(pole, pole, 2), 30));
         let inertia = product(load.inertia(of_load), now.a.saturating_add(fed_back), 16);
         let friction =
             if breaks_away { sign.saturating_mul(of_load.stiction) } else { load.slide(of_load, sign) };
@@ -70,21 +67,16 @@ impl Constants {
 
     /// g on a way, without what is unknown.
     pub(super) fn rate(&self, seen: &Seen, now: &Point, soon: &Point, wanted: i32) -> i32 {
-        let Seen { load, of_load, motion, air, force } = seen;
+        let Seen { load, of_load, motion, air, force, .. } = seen;
         let speed = motion.v.saturating_add(soon.v).saturating_sub(now.v);
         product(load.inertia(of_load), soon.j, 24)
             .saturating_add(load.drag(soon.a))
-            .saturating_add(product(wanted.saturating_sub(*force), self.force_pole, 16))
+            .saturating_add(self.approach(wanted, *force, seen.swift))
             .saturating_add(product(air.stiffness, speed, 22))
     }
 
-    /// g at rest on bristles, without K v and what is unknown.
-    pub(super) fn damping(&self, wanted: i32, force: i32) -> i32 {
-        product(wanted.saturating_sub(force), product(self.force_pole, 45_875, 16), 16)
-    }
-
-    /// g at rest, without what is unknown.
-    pub(super) fn holding(&self, held: i32, force: i32) -> i32 {
-        product(held.saturating_sub(force), product(self.force_pole, 13_107, 16), 16)
+    /// f (Fw - F).
+    pub(super) fn approach(&self, wanted: i32, force: i32, swift: i32) -> i32 {
+        product(wanted.saturating_sub(force), product(self.force_pole, swift, 16), 16)
     }
 }

@@ -6,36 +6,24 @@
 //!
 //! M and s are parts of what the rig file says. The measured force, the friction and the speed go through the same filter
 //! 1/(p/300 + 1)^3, whose difference of the speed is a; each of the four unknowns is counted in units of its prior deviation (0.3,
-//! 0.3, the stiction, B itself), forces in units of their noise. Then recursive least squares from a prior of variance 1:
+//! 0.3, the stiction, B itself), forces in units of their noise, for recursive least squares ([`super::squares`]). What the filter still
+//! holds of the stiction is doubt.
 //!
-//! ```text
-//! S = 1 + (what the filter still holds of the stiction)^2 + h' P h,   k = P h/S,   t += k (y - h' t),   P += drift - k (P h)'
-//! ```
-//!
-//! Samples above 30 mm/s count. The drift keeps P positive, whatever is rounded, and lets the load change. What is learned stays
-//! within its bounds: M 0.25 to 4, s 0.3 to 2, d within 8 stictions, B 0 to 5 times that of the rig file.
+//! Samples above 30 mm/s count. What is learned stays within its bounds: M 0.25 to 4, s 0.3 to 2, d within 8 stictions, B 0 to 5
+//! times that of the rig file.
 //!
 //! | quantity | format | range |
 //! |---|---|---|
 //! | forces, M, s as they are used | Q24, Q16, Q16 | |
-//! | filters of speed, force and friction | Q16, Q24, Q24 | |
-//! | h, y | Q16 | 2^12, 2^15 deviations, limited |
-//! | P, k | Q30 | -1 to 1 |
-//! | P h, S, t | Q20, Q16, Q24 | saturated; S from 1 on |
+//! | filters of speed, force and friction | Q16, Q24, Q24 | 2^14 counts a sample, saturated, 1 |
 
 use super::air::ONE;
 use super::number::{product, ratio, within};
-use crate::fixed::saturate;
+use super::squares::Squares;
 use crate::parameters::{Parameters, id};
 
 /// 0.3 in Q16: the prior deviation of mass and friction.
 const SPREAD: i32 = 19_661;
-/// Added to the variances with each sample, Q30: the spread of a mass in 4 million samples.
-const DRIFT: i32 = 1 << 8;
-/// Largest h.
-const LARGEST: i32 = 1 << 28;
-/// 1 of P.
-const CERTAIN: i32 = 1 << 30;
 /// The bounds of the unknowns, Q24.
 const BOUNDS: [[i32; 2]; 4] =
     [[-41_943_040, 167_772_160], [-39_146_837, 55_924_053], [-8 * ONE, 8 * ONE], [-ONE, 4 * ONE]];
@@ -56,7 +44,7 @@ pub struct Constants {
     weight: i32,
     force: i32,
     /// 1/noise, Q16; 0: nothing is learned.
-    certainty: i32,
+    pub(super) certainty: i32,
     /// Of the filter, Q16.
     pole: i32,
     /// 30 mm/s, Q16.
@@ -69,9 +57,7 @@ type Filter = [i32; 3];
 /// What is learned.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Load {
-    /// The unknowns in their deviations, Q24, and their covariances, Q30.
-    unknown: [i32; 4],
-    covariance: [[i32; 4]; 4],
+    squares: Squares<4>,
     /// Speed, force, friction and what is left of the beginning; whether they run.
     speed: Filter,
     pushed: Filter,
@@ -133,13 +119,8 @@ impl Constants {
 
 impl Default for Load {
     fn default() -> Load {
-        let mut covariance = [[0; 4]; 4];
-        for (i, row) in covariance.iter_mut().enumerate() {
-            row[i] = CERTAIN;
-        }
         Load {
-            unknown: [0; 4],
-            covariance,
+            squares: Squares::default(),
             speed: [0; 3],
             pushed: [0; 3],
             rubbed: [0; 3],
@@ -177,6 +158,13 @@ impl Load {
     #[inline]
     pub fn slide(&self, constants: &Constants, sign: i32) -> i32 {
         product(constants.coulomb(sign), self.friction, 16)
+    }
+
+    /// A force no farther from a centre than a share (Q16) of the running friction, Q24.
+    pub(super) fn held(&self, constants: &Constants, force: i32, centre: i32, share: i32) -> i32 {
+        let [extend, retract] = constants.coulomb;
+        let most = product(product(extend.min(retract), self.friction, 16), share, 16);
+        force.min(centre.saturating_add(most)).max(centre.saturating_sub(most))
     }
 
     /// B v, Q24; v in Q16.
@@ -238,40 +226,15 @@ impl Load {
             product(constants.weighed(slide), SPREAD, 16),
             constants.weighed(constants.stiction),
             constants.weighed(drag),
-        ]
-        .map(|h| within(h, LARGEST));
+        ];
         let y = constants.weighed(force.saturating_sub(known));
-        let sum = |row: &[i32; 4], bits: u32| {
-            let products = row.iter().zip(&h).map(|(&p, &h)| i64::from(p) * i64::from(h));
-            // Each is at most 2^59.
-            saturate(products.sum::<i64>() >> bits)
-        };
-        let ph = self.covariance.each_ref().map(|row| sum(row, 26));
         let doubt = product(left, constants.weighed(constants.stiction), 24);
-        let variance = i64::from(sum(&ph, 20).max(0)) + i64::from(product(doubt, doubt, 16)) + (1 << 16);
-        let variance = variance.min(i64::from(u32::MAX)) as u32;
-        // 1/S = by 2^(zeros - 32)
-        let zeros = variance.leading_zeros();
-        let by = u32::MAX.checked_div((variance << zeros) >> 16).unwrap_or(0) as i32;
-        let gain = ph.map(|ph| product(ph, by, 22 - zeros.min(15)));
-        let miss = y.saturating_sub(sum(&self.unknown, 24));
-        for i in 0..4 {
-            let [low, high] = BOUNDS[i];
-            let next = self.unknown[i].saturating_add(product(gain[i], miss, 22));
-            self.unknown[i] = next.min(high).max(low);
-            for (j, &ph) in ph.iter().enumerate() {
-                let drift = if i == j { DRIFT } else { 0 };
-                let next =
-                    self.covariance[i][j].saturating_sub(product(gain[i], ph, 20)).saturating_add(drift);
-                self.covariance[i][j] =
-                    if i == j { next.clamp(DRIFT, CERTAIN) } else { within(next, CERTAIN) };
-            }
-        }
+        self.squares.fit(h, y, product(doubt, doubt, 16), &BOUNDS);
     }
 
     /// The unknowns as they are used.
     fn take_over(&mut self, constants: &Constants) {
-        let [mass, friction, force, viscous] = self.unknown;
+        let [mass, friction, force, viscous] = self.squares.unknown;
         self.mass = ((1 << 16) + product(mass, SPREAD, 24)).clamp(1 << 14, 4 << 16);
         self.by_mass = u32::MAX.checked_div(self.mass.unsigned_abs()).unwrap_or(0) as i32;
         self.friction = ((1 << 16) + product(friction, SPREAD, 24)).min(2 << 16);

@@ -7,7 +7,7 @@
 //!
 //! F is the mean of the last two samples. Below 2 mm/s friction counts in proportion. A load that has not moved a count in 5 ms and
 //! is slower than 10 mm/s is stuck: its force may be anything within the stiction, so nothing is learned of d. Its first count
-//! says that it has slipped by half of one, v^2 = 2 a/2.
+//! says that it has slipped by half of one, v^2 = 2 a/2, and that it is 0.4 counts short of the middle of the new one.
 //!
 //! | quantity | format | range |
 //! |---|---|---|

@@ -54,6 +54,11 @@ pub(super) fn cube_root(cube: u64) -> u32 {
     })
 }
 
+/// Whole samples in microseconds.
+pub(super) fn samples(us: u32, period_us: u32) -> u32 {
+    us.checked_div(period_us).unwrap_or(0)
+}
+
 /// Limited to plus and minus `most`, which is not negative.
 #[inline(always)]
 pub(super) fn within(value: i32, most: i32) -> i32 {

@@ -2,7 +2,8 @@
 //!
 //! ```text
 //! opening     g' = g - l (E - R),   C = (|g'| + l E)/E, or by R,   z = lap + span (C - l)/(1 - l)      l: leakage
-//! spool       s'' = w^2 (u - s) - D s', then a play             [s - u, s'] -> Phi [s - u, s'] to the output and to the next sample
+//! spool       s'' = w^2 (u - s) - D s', then a play             [s - u, s'] -> Phi [s - u, s'] to the output and to the next sample,
+//!                                                               of which a slower spool makes the part 1/pace ([`super::lag`])
 //! command     u = s + b^2 (goal - s) - (b - 1) D/w^2 s'         b = 1.5: as if the spool were so much faster
 //! goal        z +- half of the play when it has to be passed; within 2 counts of it the spool stays where it is
 //! ```
@@ -11,7 +12,7 @@
 //! |---|---|---|---|
 //! | g, E, R | Q24 force a sample | | |
 //! | C | Q16 | 0 to 1 | 2^-15 of it |
-//! | s, z, u | Q16 counts of command | 2^13 | |
+//! | s, z, u | Q16 counts of command | 2^12 | |
 //! | s' | Q16 counts a sample | 2^15 | |
 //! | Phi | Q30, from place to speed Q28 | | 2^-29 |
 
@@ -114,21 +115,24 @@ impl Constants {
 }
 
 impl Transition {
+    /// `by_pace` in Q16.
     #[inline(always)]
-    fn apply(self, valve: &mut Valve) {
+    fn apply(self, valve: &mut Valve, by_pace: i32) {
         let Transition([place, speed, pull, coast]) = self;
         let from = valve.place.saturating_sub(valve.command);
         let next = product(from, place, 30).saturating_add(product(valve.speed, speed, 30));
-        valve.speed = product(from, pull, 28).saturating_add(product(valve.speed, coast, 30));
-        valve.place = within(valve.command.saturating_add(next), 2 * MOST);
+        let speed = product(from, pull, 28).saturating_add(product(valve.speed, coast, 30));
+        let nearer = product(next.saturating_sub(from), by_pace, 16);
+        valve.speed = valve.speed.saturating_add(product(speed.saturating_sub(valve.speed), by_pace, 16));
+        valve.place = within(valve.place.saturating_add(nearer), 2 * MOST);
     }
 }
 
 impl Valve {
     /// The command that brings the spool to a place (Q16), in counts.
-    pub(super) fn drive(&mut self, constants: &Constants, wanted: i32) -> i32 {
+    pub(super) fn drive(&mut self, constants: &Constants, by_pace: i32, wanted: i32) -> i32 {
         let first = self.through_play(constants.play);
-        constants.output.apply(self);
+        constants.output.apply(self, by_pace);
         let goal = if wanted > self.held.saturating_add(NEAR) {
             wanted.saturating_add(constants.play)
         } else if wanted < self.held.saturating_sub(NEAR) {
@@ -144,7 +148,7 @@ impl Valve {
         let counts = (command.saturating_add(1 << 15) >> 16).min(constants.largest).max(-constants.largest);
         self.command = counts << 16;
         let middle = self.through_play(constants.play);
-        constants.sample.apply(self);
+        constants.sample.apply(self, by_pace);
         let last = self.through_play(constants.play);
         let before = product(first.saturating_add(middle), constants.share, 17);
         let after = product(middle.saturating_add(last), (1 << 16) - constants.share, 17);

@@ -83,6 +83,11 @@ impl Way {
         Way { c, s: 0, step, samples: 0, length }
     }
 
+    /// Whether this is its first sample.
+    pub(super) fn begins(&self) -> bool {
+        self.samples == 0
+    }
+
     /// Goes on by a sample.
     pub(super) fn advance(&mut self) {
         self.samples = self.samples.saturating_add(1);
@@ -115,8 +120,12 @@ impl Way {
         Point { x: self.c.iter().sum(), ..Point::default() }
     }
 
-    /// By Horner's rule, with the derivatives along.
+    /// By Horner's rule, with the derivatives along; where it begins, by the motion that it has.
     fn at(&self, s: u32) -> Point {
+        if s == 0 {
+            let ([c0, c1, c2, ..], t) = (self.c, self.step);
+            return Point { x: c0, v: saturate(part(c1, t)), a: saturate(part(part(2 * c2, t), t)), j: 0 };
+        }
         let [c0, rest @ .., c7] = self.c;
         let (mut x, mut v, mut a, mut j) = (c7, 0, 0, 0);
         for c in rest.into_iter().rev() {

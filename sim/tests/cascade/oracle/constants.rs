@@ -1,0 +1,105 @@
+//! What the law knows of its drive, as the parameters have it, in real numbers.
+
+use pneudrive_controller::Parameters;
+use pneudrive_controller::parameters::id;
+
+/// The constants, as the rig's parameters have them.
+pub struct Constants {
+    pub stroke: f64,
+    pub dead: [f64; 2],
+    pub offset: f64,
+    pub gain: f64,
+    pub exhaust: f64,
+    pub ratio: f64,
+    pub n: f64,
+    pub flow: [f64; 2],
+    pub steep: [f64; 2],
+    pub leak: f64,
+    pub acceleration: f64,
+    pub coulomb: [f64; 2],
+    pub stiction: f64,
+    pub viscous: f64,
+    pub weight: f64,
+    pub constant: f64,
+    pub tau: f64,
+    pub force_pole: f64,
+    pub position_pole: f64,
+    pub motion_decay: f64,
+    pub flow_decay: f64,
+    pub to_output: [f64; 4],
+    pub to_sample: [f64; 4],
+    pub lag: f64,
+    pub share: f64,
+    /// Largest command, counts.
+    pub largest: f64,
+    pub lap: f64,
+    pub span: f64,
+    pub play: f64,
+    pub way: [f64; 3],
+    pub noise: f64,
+    /// s, m.
+    pub period: f64,
+    pub count: f64,
+}
+
+impl Constants {
+    pub fn of(parameters: &Parameters) -> Constants {
+        let get = |id, bits: i32| f64::from(parameters.get(id).expect("known id")) / 2.0_f64.powi(bits);
+        let spool = |first: u16| [get(first, 30), get(first + 1, 30), get(first + 2, 28), get(first + 3, 30)];
+        Constants {
+            stroke: get(id::CASCADE_STROKE, 0),
+            dead: [get(id::CASCADE_DEAD_LENGTH_1, 0), get(id::CASCADE_DEAD_LENGTH_2, 0)],
+            offset: get(id::CASCADE_PRESSURE_OFFSET, 24),
+            gain: get(id::CASCADE_PRESSURE_GAIN, 30),
+            exhaust: get(id::CASCADE_EXHAUST_PRESSURE, 24),
+            ratio: get(id::CASCADE_AREA_RATIO, 24),
+            n: get(id::CASCADE_EXPONENT, 16),
+            flow: [get(id::CASCADE_FLOW_SUPPLY, 16), get(id::CASCADE_FLOW_EXHAUST, 16)],
+            steep: [get(id::CASCADE_STEEPNESS_SUPPLY, 16), get(id::CASCADE_STEEPNESS_EXHAUST, 16)],
+            leak: get(id::CASCADE_LEAKAGE, 16),
+            acceleration: get(id::CASCADE_ACCELERATION, 16),
+            coulomb: [get(id::CASCADE_COULOMB_EXTEND, 24), get(id::CASCADE_COULOMB_RETRACT, 24)],
+            stiction: get(id::CASCADE_STICTION, 24),
+            viscous: get(id::CASCADE_VISCOUS, 30),
+            weight: get(id::CASCADE_WEIGHT, 24),
+            constant: get(id::CASCADE_STANDING_FORCE, 24),
+            tau: get(id::CASCADE_DEAD_TIME, 16),
+            force_pole: get(id::CASCADE_FORCE_POLE, 16),
+            position_pole: get(id::CASCADE_POSITION_POLE, 16),
+            motion_decay: get(id::CASCADE_MOTION_DECAY, 30),
+            flow_decay: get(id::CASCADE_FLOW_DECAY, 30),
+            to_output: spool(id::CASCADE_SPOOL_OUTPUT_PLACE),
+            to_sample: spool(id::CASCADE_SPOOL_SAMPLE_PLACE),
+            lag: get(id::CASCADE_SPOOL_LAG, 16),
+            share: get(id::CASCADE_OUTPUT_SHARE, 16),
+            largest: get(id::MAX_COMMAND_COUNTS, 0),
+            lap: get(id::CASCADE_OVERLAP, 16),
+            span: get(id::CASCADE_SPAN, 16),
+            play: get(id::CASCADE_PLAY, 16),
+            way: [
+                get(id::CASCADE_WAY_SPEED, 16),
+                get(id::CASCADE_WAY_ACCELERATION, 16),
+                get(id::CASCADE_WAY_FLOW, 16),
+            ],
+            noise: get(id::CASCADE_LEARNING_NOISE, 24),
+            period: get(id::PERIOD_US, 0) * 1e-6,
+            count: get(id::ENCODER_PM_PER_COUNT, 0) * 1e-12,
+        }
+    }
+
+    pub fn samples(&self, seconds: f64) -> f64 {
+        seconds / self.period
+    }
+
+    pub fn counts(&self, metres: f64) -> f64 {
+        metres / self.count
+    }
+
+    pub fn speed(&self, metres_per_second: f64) -> f64 {
+        metres_per_second * self.period / self.count
+    }
+
+    pub fn coulomb(&self, sign: f64) -> f64 {
+        sign * self.coulomb[usize::from(sign < 0.0)]
+    }
+}
