@@ -1,19 +1,21 @@
-//! How the law by a model positions drives that are drawn at random: cylinders, loads, valves, supplies and periods that a builder may
+//! How the law by a model and the gain profile of `rig new` position drives that are drawn at random: cylinders, loads, valves, supplies and periods that a builder may
 //! combine, well or badly, as `rig new` makes them.
 //!
 //! ```text
 //! cargo run --release -p pneudrive-optimise --example drawn_positioning -- [DRIVES] [DRAWS OF EACH] [FIRST SEED]
 //! ```
 //!
-//! A line for each drive that ends a step outside 0.2 mm, still moves or trips; then the shares over all of them.
+//! A line for each law: drives, steps, the shares within 1, 0.2 and 0.05 mm, those that still move, those that trip, and on how many
+//! drives all steps end within 0.2 mm. The drives on which a step of the law by a model does not, or still moves, go to stderr.
 
 #[path = "../../design/tests/drawn/mod.rs"]
 mod drawn;
 
 use pneudrive_design::own_drive::rig_file;
+use pneudrive_design::question::question_of;
 use pneudrive_optimise::positioning::{Plan, Spread, StepScore, steps, usual_step_mm};
+use pneudrive_sim::Rig;
 use pneudrive_sim::component::controller::Law;
-use pneudrive_sim::{Rig, keys};
 
 /// What the steps of all drives came to.
 #[derive(Default)]
@@ -25,6 +27,18 @@ struct Sum {
     /// Drives all of whose steps end within 0.2 mm.
     sound: usize,
     drives: usize,
+}
+
+/// The steps of a course that are judged.
+const WHEN: [&str; 2] = ["cold", "after two moves"];
+
+impl std::fmt::Display for Sum {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        let share = |count: usize| format!("{:.1} %", 100.0 * count as f64 / self.steps.max(1) as f64);
+        let within = self.within.map(share).join(" / ");
+        let [moving, tripped] = [self.moving, self.tripped].map(share);
+        write!(f, "{} | {} | {within} | {moving} | {tripped} | {}", self.drives, self.steps, self.sound)
+    }
 }
 
 impl Sum {
@@ -40,49 +54,39 @@ impl Sum {
     }
 }
 
-/// The drive of a seed if the law by a model takes it.
-fn drive(seed: u64) -> Option<Rig> {
-    let text = rig_file("drawn", &drawn::answers(seed)).ok()?;
-    let rig = Rig::read("drawn", &text).ok()?;
-    (rig.get(&keys::controller::LAW) == Law::Cascade).then_some(rig)
+/// The drive of a seed on a law, if the law by a model takes it.
+fn drive(seed: u64, law: Law) -> Option<Rig> {
+    let mut answers = drawn::answers(seed);
+    answers.answer(question_of("law")?, Law::Cascade.word());
+    rig_file("drawn", &answers).ok()?;
+    answers.answer(question_of("law")?, law.word());
+    Rig::read("drawn", &rig_file("drawn", &answers).ok()?).ok()
 }
 
 fn main() {
     let mut arguments = std::env::args().skip(1).map(|text| text.parse::<u64>().expect("a number"));
     let mut next = |otherwise| arguments.next().unwrap_or(otherwise);
     let (drives, draws, first) = (next(200), next(6) as usize, next(0));
-    let mut sums = [Sum::default(), Sum::default()];
-    let (mut seed, mut untried) = (first, 0);
-    while (sums[0].drives as u64) < drives {
-        let plan = Plan { spread: Spread::default(), draws, seed };
-        let Some(rig) = drive(seed) else {
-            (seed, untried) = (seed + 1, untried + 1);
-            continue;
-        };
-        match steps(&rig, &plan, usual_step_mm(&rig)) {
-            Ok(scores) => {
-                for ((sum, score), when) in sums.iter_mut().zip(&scores).zip(["cold", "after two moves"]) {
-                    sum.add(score);
-                    if score.within[1].met < draws || score.moving > 0 {
-                        println!("{seed}, {when}: {score}; {}", score.failed.join(", "));
+    let seeds: Vec<u64> =
+        (first..).filter(|seed| drive(*seed, Law::Cascade).is_some()).take(drives as usize).collect();
+    for law in [Law::Cascade, Law::GainProfile] {
+        let mut sums = [Sum::default(), Sum::default()];
+        for &seed in &seeds {
+            let Some(rig) = drive(seed, law) else { continue };
+            match steps(&rig, &Plan { spread: Spread::default(), draws, seed }, usual_step_mm(&rig)) {
+                Ok(scores) => {
+                    for ((sum, score), when) in sums.iter_mut().zip(&scores).zip(WHEN) {
+                        sum.add(score);
+                        if law == Law::Cascade && (score.within[1].met < draws || score.moving > 0) {
+                            eprintln!("{seed}, {when}: {score}; {}", score.failed.join(", "));
+                        }
                     }
                 }
+                Err(why) => eprintln!("{seed}, {}: {why}", law.word()),
             }
-            Err(why) => println!("{seed}: {why}"),
         }
-        seed += 1;
+        for (sum, when) in sums.iter().zip(WHEN) {
+            println!("| {} | {when} | {sum} |", law.word());
+        }
     }
-    for (sum, when) in sums.iter().zip(["cold", "after two moves"]) {
-        let share = |count: usize| format!("{:.1} %", 100.0 * count as f64 / sum.steps as f64);
-        println!(
-            "{when}: {} drives, {} steps; within 1 / 0.2 / 0.05 mm {}; still move {}; trip {}; {} drives end all steps within 0.2 mm",
-            sum.drives,
-            sum.steps,
-            sum.within.map(share).join(" / "),
-            share(sum.moving),
-            share(sum.tripped),
-            sum.sound
-        );
-    }
-    println!("{untried} combinations are refused or have another law");
 }

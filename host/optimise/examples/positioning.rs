@@ -7,7 +7,8 @@
 //! A RIG is one of the six drives of the catalogue, a built-in rig or a rig file; without one, the six drives and the three
 //! servo-drives of the thesis are measured. `draws=120 seed=1`; `steps=0.2,2,60,300` (mm; without it 60 mm, or two fifths of a
 //! shorter stroke); `laws=0,1` (places in the list of laws below); `range=1` draws all that the rig file leaves open;
-//! `bristles=1` puts LuGre friction on top; `sines=0` leaves out the sines. Other keys with a point are settings of the rig. Gains that
+//! `bristles=1` puts LuGre friction on top; `sines=0` leaves out the sines. `plant=load.mass_kg*2,load.constant_force_n=-80`: the plant of
+//! each draw differs from what the law knows by these factors and values. Other keys with a point are settings of the rig. Gains that
 //! were found, and why runs did not come to their end, go to stderr.
 
 use std::collections::BTreeMap;
@@ -54,6 +55,8 @@ const BUDGET: Budget = Budget { population: 16, generations: 10, seed: 1 };
 struct Asked {
     rigs: Vec<String>,
     settings: Vec<String>,
+    /// Changes of the plant alone, each `KEY=VALUE` or `KEY*FACTOR`.
+    plant: Vec<String>,
     plan: Plan,
     steps_mm: Vec<f64>,
     laws: Vec<usize>,
@@ -65,6 +68,7 @@ impl Asked {
         let mut asked = Asked {
             rigs: Vec::new(),
             settings: Vec::new(),
+            plant: Vec::new(),
             plan: Plan { spread: Spread::default(), draws: 120, seed: 1 },
             steps_mm: Vec::new(),
             laws: (0..LAWS.len()).collect(),
@@ -80,6 +84,7 @@ impl Asked {
                 "seed" => asked.plan.seed = value.parse()?,
                 "range" => asked.plan.spread.whole_range = value != "0",
                 "bristles" => asked.plan.spread.bristles = value != "0",
+                "plant" => asked.plant = value.split(',').map(str::to_owned).collect(),
                 "sines" => asked.sines = value != "0",
                 "steps" => asked.steps_mm = value.split(',').map(str::parse).collect::<Result<_, _>>()?,
                 "laws" => asked.laws = value.split(',').map(str::parse).collect::<Result<_, _>>()?,
@@ -154,6 +159,18 @@ impl Drive<'_> {
     }
 }
 
+/// A rig whose plant has changes that its law does not know.
+fn disturbed(rig: &Rig, changes: &[String]) -> Result<Rig> {
+    let setting = |change: &String| match change.split_once('*') {
+        Some((key, factor)) => {
+            let value = rig.number_at(key).with_context(|| format!("{key} is no number of the rig"))?;
+            Ok(format!("{key}={:?}", value * factor.parse::<f64>()?))
+        }
+        None => Ok(change.clone()),
+    };
+    Ok(rig.with_plant(&changes.iter().map(setting).collect::<Result<Vec<_>>>()?)?)
+}
+
 /// Ki = 256 Kp T/T_I.
 fn integral(rig: &Rig, time_s: f64) -> String {
     let proportional = rig.get(&keys::controller::PROPORTIONAL_GAIN) as f64;
@@ -202,7 +219,7 @@ fn main() -> Result<()> {
             Drive { name, text, settings: &asked.settings, step_mm: usual_mm, found: BTreeMap::new() };
         for place in &asked.laws {
             let law = LAWS.get(*place).context("there is no such law")?;
-            let rig = match drive.under(law) {
+            let rig = match drive.under(law).and_then(|rig| disturbed(&rig, &asked.plant)) {
                 Ok(rig) => rig,
                 Err(refused) => {
                     eprintln!("{name}, {}: {refused:#}", law.name);

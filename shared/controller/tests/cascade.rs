@@ -51,7 +51,7 @@ fn law(state: &State) -> &Cascade {
 /// What is learned is within the bounds that the law states, whatever it was shown.
 fn keeps_its_bounds(law: &Cascade) -> bool {
     let load = law.load();
-    (1 << 14..=4 << 16).contains(&load.mass)
+    (1 << 14..=5 << 15).contains(&load.mass)
         && (19_600..=2 << 16).contains(&load.friction)
         && load.viscous >= 0
         && law.motion().d.abs() <= 1 << 24

@@ -27,6 +27,7 @@ pub struct Oracle {
     pub motion: Motion,
     pub load: Load,
     pub lag: Lag,
+    for_load: bool,
     flow: Flow,
     air: Air,
     plan: Plan,
@@ -41,6 +42,7 @@ impl Oracle {
             motion: Motion::default(),
             load: Load::default(),
             lag: Lag::default(),
+            for_load: false,
             flow: Flow::default(),
             air: Air::default(),
             plan: Plan::new(0, 0.0),
@@ -58,6 +60,7 @@ impl Oracle {
             self.flow = Flow::new(force);
             self.plan = Plan::new(count, force);
         }
+        self.for_load = !self.for_load;
         let step = self.motion.observe(c, &self.load, count, force);
         let open = self.air.extend * c.conductance(self.valve.mean)
             - self.air.retract * c.conductance(-self.valve.mean);
@@ -67,11 +70,11 @@ impl Oracle {
         if self.motion.stuck {
             self.load.forget();
         } else {
-            self.load.learn(c, step, self.motion.v, force);
+            self.load.learn(c, step, self.motion.v, force, self.for_load);
         }
         let mut seen = Seen { c, motion: &mut self.motion, load: &self.load, count, force };
         self.plan.go_on(&mut seen, target);
-        if !seen.motion.stuck && !self.plan.begins() {
+        if !seen.motion.stuck && !self.for_load {
             self.lag.learn(c, missed);
         }
         let (rate, least) = self.plan.rate(&seen, &self.air, &self.flow, self.lag.dead_time(c));

@@ -100,6 +100,8 @@ pub struct Cascade {
     flow: Flow,
     load: Load,
     lag: Lag,
+    /// Whether this sample is one for the load, or for the valve.
+    for_load: bool,
     air: Air,
     valve: Valve,
 }
@@ -119,6 +121,7 @@ impl Default for Cascade {
             flow: Flow::default(),
             load: Load::default(),
             lag: Lag::default(),
+            for_load: false,
             air: Air::default(),
             valve: Valve::default(),
         }
@@ -198,6 +201,7 @@ impl Cascade {
 
     /// Both observers, and the air for what follows; returns the flow observer's error.
     fn observe(&mut self, settings: &Settings, count: i32, pressures: [i32; 2], force: i32) -> i32 {
+        self.for_load = !self.for_load;
         let step = self.motion.observe(&settings.motion, &settings.load, &self.load, count, force);
         let rate = settings.valve.rate(&self.air, self.valve.mean);
         let spring = product(self.air.stiffness, self.motion.v, 22);
@@ -207,7 +211,7 @@ impl Cascade {
         if self.motion.stuck {
             self.load.forget();
         } else {
-            self.load.learn(&settings.load, step, self.motion.v, force);
+            self.load.learn(&settings.load, step, self.motion.v, force, self.for_load);
         }
         missed
     }
@@ -340,8 +344,7 @@ impl ControlLaw for Cascade {
         }
         let missed = self.observe(settings, count, pressures, force);
         self.plan(settings, count, &reference, force);
-        // A way that begins is work enough for a sample.
-        if !self.motion.stuck && !(self.phase == Phase::Way && self.way.begins()) {
+        if !self.motion.stuck && !self.for_load {
             self.lag.learn(&settings.lag, missed);
         }
         let (rate, least) = self.rate(settings, &reference, force);

@@ -19,7 +19,7 @@ pub struct Load {
 
 impl Load {
     pub fn mass(&self) -> f64 {
-        (1.0 + 0.3 * self.squares.unknown[0]).clamp(0.25, 4.0)
+        (1.0 + 0.3 * self.squares.unknown[0]).clamp(0.25, 2.5)
     }
 
     pub fn friction(&self) -> f64 {
@@ -42,12 +42,13 @@ impl Load {
         self.filter = None;
     }
 
-    pub fn learn(&mut self, c: &Constants, step: f64, v: f64, force: f64) {
+    pub fn learn(&mut self, c: &Constants, step: f64, v: f64, force: f64, fits: bool) {
         if c.noise == 0.0 {
             return;
         }
         let slide = c.coulomb(if v > 0.0 { 1.0 } else { -1.0 });
         let rest = self.standing(c) + self.friction() * slide;
+        let rest = rest.max(force - c.stiction).min(force + c.stiction);
         let filter = self.filter.get_or_insert(Filter {
             v: [0.0; 3],
             force: [rest; 3],
@@ -68,7 +69,7 @@ impl Load {
         let force_then = pass(&mut filter.force, force);
         let slide_then = pass(&mut filter.slide, slide);
         let left = pass(&mut filter.left, 0.0);
-        if speed.abs() <= c.speed(0.03) || speed * v <= 0.0 {
+        if !fits || speed.abs() <= c.speed(0.03) || speed * v <= 0.0 {
             return;
         }
         let inertia = a / c.acceleration + c.weight;

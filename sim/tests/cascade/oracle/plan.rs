@@ -61,11 +61,6 @@ impl Plan {
         }
     }
 
-    /// Whether a way begins with this sample.
-    pub fn begins(&self) -> bool {
-        self.phase == Phase::Move && self.way.k == 0.0
-    }
-
     /// What the valve was short of.
     pub fn is_short(&mut self, air: &Air, rate: f64) {
         let open = if rate > 0.0 { air.extend } else { air.retract };

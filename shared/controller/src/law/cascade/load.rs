@@ -9,7 +9,7 @@
 //! 0.3, the stiction, B itself), forces in units of their noise, for recursive least squares ([`super::squares`]). What the filter still
 //! holds of the stiction is doubt.
 //!
-//! Samples above 30 mm/s count. What is learned stays within its bounds: M 0.25 to 4, s 0.3 to 2, d within 8 stictions, B 0 to 5
+//! Every other sample above 30 mm/s counts. What is learned stays within its bounds: M 0.25 to 2.5, s 0.3 to 2, d within 8 stictions, B 0 to 5
 //! times that of the rig file.
 //!
 //! | quantity | format | range |
@@ -26,7 +26,7 @@ use crate::parameters::{Parameters, id};
 const SPREAD: i32 = 19_661;
 /// The bounds of the unknowns, Q24.
 const BOUNDS: [[i32; 2]; 4] =
-    [[-41_943_040, 167_772_160], [-39_146_837, 55_924_053], [-8 * ONE, 8 * ONE], [-ONE, 4 * ONE]];
+    [[-41_943_040, 83_886_080], [-39_146_837, 55_924_053], [-8 * ONE, 8 * ONE], [-ONE, 4 * ONE]];
 
 /// What it knows beforehand.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -190,14 +190,18 @@ impl Load {
         self.runs = false;
     }
 
-    /// A sample in motion: the step of the count, the speed (Q16) and the force (Q24).
-    pub(super) fn learn(&mut self, constants: &Constants, step: i32, speed: i32, force: i32) {
+    /// A sample in motion: the step of the count, the speed (Q16) and the force (Q24); `fits`: whether it is one of those learned by.
+    pub(super) fn learn(&mut self, constants: &Constants, step: i32, speed: i32, force: i32, fits: bool) {
         if constants.certainty == 0 {
             return;
         }
         let slide = constants.coulomb(if speed > 0 { 1 } else { -1 });
         if !self.runs {
             let rest = self.standing.saturating_add(product(slide, self.friction, 16));
+            // What it broke away from was no farther from that than the stiction, whatever stands against it.
+            let rest = rest
+                .max(force.saturating_sub(constants.stiction))
+                .min(force.saturating_add(constants.stiction));
             (self.speed, self.pushed, self.rubbed) = ([0; 3], [rest; 3], [slide; 3]);
             (self.left, self.runs) = ([ONE; 3], true);
         }
@@ -209,7 +213,7 @@ impl Load {
         let left = pass(&mut self.left, 0, pole);
         let mean = (before >> 1) + (after >> 1);
         let goes_on = (mean > 0) == (speed > 0) && mean.unsigned_abs() > constants.fast.unsigned_abs();
-        if goes_on {
+        if fits && goes_on {
             self.fit(constants, [after.saturating_sub(before), mean, force, slide], left);
             self.take_over(constants);
         }
@@ -235,7 +239,7 @@ impl Load {
     /// The unknowns as they are used.
     fn take_over(&mut self, constants: &Constants) {
         let [mass, friction, force, viscous] = self.squares.unknown;
-        self.mass = ((1 << 16) + product(mass, SPREAD, 24)).clamp(1 << 14, 4 << 16);
+        self.mass = ((1 << 16) + product(mass, SPREAD, 24)).clamp(1 << 14, 5 << 15);
         self.by_mass = u32::MAX.checked_div(self.mass.unsigned_abs()).unwrap_or(0) as i32;
         self.friction = ((1 << 16) + product(friction, SPREAD, 24)).min(2 << 16);
         self.standing = product(constants.weight, self.mass, 16)

@@ -63,12 +63,12 @@ impl<const N: usize> Squares<N> {
             let [low, high] = bounds[i];
             let next = self.unknown[i].saturating_add(product(gain[i], miss, 22));
             self.unknown[i] = next.min(high).max(low);
-            for (j, &ph) in ph.iter().enumerate() {
-                let drift = if i == j { DRIFT } else { 0 };
-                let next =
-                    self.covariance[i][j].saturating_sub(product(gain[i], ph, 20)).saturating_add(drift);
-                self.covariance[i][j] =
-                    if i == j { next.clamp(DRIFT, CERTAIN) } else { within(next, CERTAIN) };
+            let variance = self.covariance[i][i].saturating_sub(product(gain[i], ph[i], 20));
+            self.covariance[i][i] = variance.saturating_add(DRIFT).clamp(DRIFT, CERTAIN);
+            for j in i + 1..N {
+                let next = self.covariance[i][j].saturating_sub(product(gain[i], ph[j], 20));
+                let next = within(next, CERTAIN);
+                (self.covariance[i][j], self.covariance[j][i]) = (next, next);
             }
         }
     }

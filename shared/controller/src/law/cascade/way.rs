@@ -83,11 +83,6 @@ impl Way {
         Way { c, s: 0, step, samples: 0, length }
     }
 
-    /// Whether this is its first sample.
-    pub(super) fn begins(&self) -> bool {
-        self.samples == 0
-    }
-
     /// Goes on by a sample.
     pub(super) fn advance(&mut self) {
         self.samples = self.samples.saturating_add(1);
