@@ -191,6 +191,16 @@ impl Point {
         Point { x: (i64::from(count) << 16) + (1 << 15), ..Point::default() }
     }
 
+    /// Both motions together.
+    pub(crate) fn plus(self, other: Point) -> Point {
+        Point {
+            x: self.x.wrapping_add(other.x),
+            v: self.v.saturating_add(other.v),
+            a: self.a.saturating_add(other.a),
+            j: self.j.saturating_add(other.j),
+        }
+    }
+
     /// Its motion so many samples later (2^-16) if its jerk stays; the place is not followed.
     pub(crate) fn later(self, samples: i32) -> Point {
         let changed = saturate((i64::from(self.j) * i64::from(samples)) >> 24);

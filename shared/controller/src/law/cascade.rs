@@ -21,7 +21,7 @@
 //! knows of its drive is in its parameters, which `pneudrive-sim` makes of a rig file.
 //!
 //! A new setpoint begins a way from the motion that there is, and so does a valve that has been short of what is asked for 8 ms; a
-//! profile is followed as it comes. A load that stands at the end of its way, or creeps within 40 um of its target, rests.
+//! profile is followed as it comes, from where its speed jumps by a way of the deviation from it. A load that stands at the end of its way, or creeps within 40 um of its target, rests.
 
 pub mod air;
 pub mod flow;
@@ -90,6 +90,9 @@ pub struct Cascade {
     target: i32,
     phase: Phase,
     way: Way,
+    /// From the motion that there was to that of a profile, and the speed of the profile at the sample before, Q16.
+    joining: Way,
+    led: i32,
     reference: Point,
     /// Samples for which the valve has been short.
     short: u32,
@@ -113,6 +116,8 @@ impl Default for Cascade {
             target: 0,
             phase: Phase::Rest { held: 0, centre: 0 },
             way: Way::default(),
+            joining: Way::default(),
+            led: 0,
             reference: Point::default(),
             short: 0,
             side: 0,
@@ -223,8 +228,8 @@ impl Cascade {
         if new {
             self.rest.aim();
         }
-        if reference.point.is_some() {
-            self.phase = Phase::Profile;
+        if let Some(point) = &reference.point {
+            self.follow(settings, point, force);
             return;
         }
         let (of_rest, error) = (&settings.rest, reference.error.unsigned_abs());
@@ -258,6 +263,26 @@ impl Cascade {
                     self.phase = Phase::Rest { held, centre };
                 }
             }
+        }
+    }
+
+    /// A profile, joined by a way of its own where it begins, where its speed jumps, and where the valve has not kept up with it.
+    fn follow(&mut self, settings: &Settings, point: &Point, force: i32) {
+        let change = point.v.saturating_sub(core::mem::replace(&mut self.led, point.v));
+        let jumps = change.unsigned_abs() > settings.way[1].unsigned_abs();
+        let is_late = self.short > settings.late && self.motion.v.saturating_abs() > settings.under_way;
+        self.joining.advance();
+        if self.phase != Phase::Profile || jumps || is_late {
+            let a = self.motion.acceleration(&settings.load, &self.load, force);
+            let from = Point {
+                x: self.motion.x.wrapping_sub(point.x),
+                v: self.motion.v.saturating_sub(point.v),
+                a: a.saturating_sub(point.a),
+                j: 0,
+            };
+            let limits = settings.limits((self.motion.x >> 16) as i32, self.load.by_mass);
+            (self.phase, self.short) = (Phase::Profile, 0);
+            self.joining = Way::joining(from, &limits);
         }
     }
 
@@ -301,7 +326,10 @@ impl Cascade {
             }
             Phase::Way | Phase::Profile => {
                 let (now, soon) = match reference.point {
-                    Some(point) => (point, point.later(self.lag.dead_time)),
+                    Some(point) => (
+                        point.plus(self.joining.now()),
+                        point.later(self.lag.dead_time).plus(self.joining.later(self.lag.dead_time)),
+                    ),
                     None => (self.way.now(), self.way.later(self.lag.dead_time)),
                 };
                 let seen = force::Seen { load, of_load, motion: &self.motion, air: &self.air, force, swift };

@@ -2,11 +2,14 @@
 
 use std::f64::consts::PI;
 
+use pneudrive_design::six_drives::SIX_DRIVES;
 use pneudrive_evaluate::evaluation::{Doubt, LimitCycle};
+use pneudrive_sim::component::controller::Law;
+use pneudrive_sim::keys;
 
 use super::drive;
 use crate::positioning::arrival::{Arrival, BANDS_MM};
-use crate::positioning::{Plan, Sine, SineScore, Spread, StepScore, sine, steps};
+use crate::positioning::{Plan, Sine, SineScore, Spread, StepScore, sine, steps, usual_step_mm};
 
 const PERIOD_S: f64 = 1e-3;
 const WAY_MM: f64 = 60.0;
@@ -131,4 +134,19 @@ fn the_same_draws_have_the_same_score_on_any_number_of_threads() {
     assert_eq!([&first, &third], on(3).each_ref());
     assert!(first.failed.is_empty() && first.within[0].met >= 2, "{first:?}");
     assert_ne!(first, third);
+}
+
+/// A sine begins at its full speed, which no drive has: the law by a model joins it, on small cylinders and on large ones.
+#[test]
+fn the_law_by_a_model_follows_a_sine_on_each_of_six_drives() {
+    for (name, _) in SIX_DRIVES {
+        let law = keys::controller::LAW.setting(Law::Cascade.word());
+        let rig = drive(name, &[&law]);
+        let plan = Plan { spread: Spread::default(), draws: 3, seed: 1 };
+        for hz in [0.5, 1.0] {
+            let score = sine(&rig, &plan, usual_step_mm(&rig), hz).expect("a sine");
+            let [_, worst] = score.largest_mm.expect("runs");
+            assert!(score.failed.is_empty() && worst < 1.0, "{name}, {hz} Hz: {score}");
+        }
+    }
 }

@@ -3,6 +3,7 @@
 //! ```text
 //! x = c0 + c1 s + ... + c7 s^7,   s = k/T               c0 to c2 by the motion it begins with, c4 to c7 by the rest it ends in
 //! T = max(2.19 D/v, sqrt(7.5 D/a), (52.5 D/j)^(1/3), 6, 2 tau)       samples: of rest to rest, its largest speed is v, and so on
+//! T = max(.., 5.05 v0/a, sqrt(26 v0/j))                 of a deviation from a profile, whose speed is v0, to none
 //! ```
 //!
 //! From rest to rest it is D (35 s^4 - 84 s^5 + 70 s^6 - 20 s^7). An acceleration that it begins with counts up to 2 D/T^2; its jerk
@@ -58,6 +59,11 @@ fn length(distance: u32, limits: &Limits) -> u32 {
     by_speed.max(by_force).max(by_flow).saturating_add(1).max(limits.shortest).min(LONGEST)
 }
 
+/// Counts between two places (Q16).
+fn distance(target: i64, from: i64) -> u32 {
+    (target.wrapping_sub(from).clamp(-FARTHEST, FARTHEST).unsigned_abs() >> 16) as u32
+}
+
 impl Way {
     /// Over before it began, at a place (Q16).
     pub(super) fn at_rest(x: i64) -> Way {
@@ -65,11 +71,25 @@ impl Way {
     }
 
     /// From a motion to rest at a target (Q16).
-    #[inline(never)]
     pub(super) fn to(target: i64, from: Point, limits: &Limits) -> Way {
+        Way::after(target, from, length(distance(target, from.x), limits))
+    }
+
+    /// From a deviation to none: as long as its place and its speed need.
+    pub(super) fn joining(from: Point, limits: &Limits) -> Way {
+        let speed = u64::from(from.v.unsigned_abs());
+        let of = |speed: u64, limit: i32| ratio(speed, u64::from(limit.unsigned_abs()));
+        let by_force = of((speed * 331_000) >> 16, limits.acceleration).min(LONGEST.into()) as u32;
+        let by_flow = root(of(speed * 6656, limits.jerk).min(u32::MAX.into()) as u32);
+        let slowed = by_force.max(by_flow).saturating_add(1).min(LONGEST);
+        Way::after(0, from, length(distance(0, from.x), limits).max(slowed))
+    }
+
+    /// The same within so many samples.
+    #[inline(never)]
+    fn after(target: i64, from: Point, length: u32) -> Way {
         let way = target.wrapping_sub(from.x).clamp(-FARTHEST, FARTHEST);
-        let distance = (way.unsigned_abs() >> 16) as u32;
-        let length = length(distance, limits);
+        let distance = distance(target, from.x);
         let step = u32::MAX.checked_div(length).unwrap_or(0);
         let most = saturate(part(part((i64::from(distance) << 17) + (1 << 16), step), step));
         let t = i64::from(length);
