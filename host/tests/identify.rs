@@ -368,7 +368,7 @@ fn keys_that_cannot_be_fitted_are_refused_before_any_work() {
     for (key, says) in [
         ("load.mas", "there is no key"),
         ("controller.scale", "not a physical number"),
-        ("actuator.leakage_coefficient", "above 0"),
+        ("actuator.leakage_coefficient", "has no effect with actuator.leakage = \"none\""),
     ] {
         let printed = transcript(folder.path(), &format!("identify rig.toml TARGET01.DAT --fit {key}"));
         assert!(printed.contains(says) && printed.ends_with("= 1"), "{printed}");

@@ -6,7 +6,7 @@ use pneudrive_link::client::Client;
 use pneudrive_protocol::Mode;
 use pneudrive_sim::Rig;
 
-use super::run::{assert_equal_in_every_integer, rig};
+use super::run::{as_built_in, assert_equal_in_every_integer, rig};
 use crate::Supplied;
 #[cfg(unix)]
 use crate::shell::Shell;
@@ -85,7 +85,7 @@ pub fn what_is_stored_is_in_force_after_a_power_cut(start: StartSupplied) {
 /// When it does not.
 #[cfg(unix)]
 pub fn a_damaged_configuration_is_named_and_arms_nothing_before_one_is_stored(start: StartSupplied) {
-    let rig = rig("servo-b", &["test.duration_s=0.3"]);
+    let rig = as_built_in("servo-b", &["test.duration_s=0.3"]);
     let mut target = start(&rig);
     target.power_up().expect("it starts again");
     let shell = Shell::at(target.port()).expect("the program is built");

@@ -65,8 +65,8 @@ impl<const N: usize> Squares<N> {
             self.unknown[i] = next.min(high).max(low);
             let variance = self.covariance[i][i].saturating_sub(product(gain[i], ph[i], 20));
             self.covariance[i][i] = variance.saturating_add(DRIFT).clamp(DRIFT, CERTAIN);
-            for j in i + 1..N {
-                let next = self.covariance[i][j].saturating_sub(product(gain[i], ph[j], 20));
+            for (j, &ph) in ph.iter().enumerate().skip(i + 1) {
+                let next = self.covariance[i][j].saturating_sub(product(gain[i], ph, 20));
                 let next = within(next, CERTAIN);
                 (self.covariance[i][j], self.covariance[j][i]) = (next, next);
             }
