@@ -262,7 +262,7 @@ class Operator(Table):
         """What moves the spool."""
     @property
     def max_command_counts(self) -> int:
-        """Largest command of a converter to either side. A board arms only if its converter of 12 bits has a code for it: with null_code 2048 up to 2047."""
+        """Largest command of a converter to either side. A board arms only if its converter of 12 bits has a code for it: with null_code 2048 up to 2047, counts."""
     @property
     def force_gain_n_per_mm(self) -> float:
         """Force of the coil per mm of command, N/mm."""
