@@ -349,6 +349,13 @@ fn a_plant_that_is_drawn_does_not_tell_the_law_what_it_is() {
     }
     let told = known.with_settings(&heavy).expect("valid");
     assert_ne!(told.parameters(), known.parameters(), "a setting of the file is known");
+    let and_twelve =
+        known.with_plant(&heavy).and_then(|rig| rig.with_settings(&settings(&["load.mass_kg=12"])));
+    assert_ne!(
+        and_twelve.expect("valid").parameters(),
+        known.parameters(),
+        "a setting after a draw is known"
+    );
     let slower = known.with_plant(&settings(&["controller.period_s=0.002"])).expect("valid");
     assert_ne!(slower.parameters(), known.parameters(), "the controller knows its own settings");
 }

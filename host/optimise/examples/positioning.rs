@@ -90,7 +90,7 @@ impl Asked {
                 "laws" => asked.laws = value.split(',').map(str::parse).collect::<Result<_, _>>()?,
                 _ if key.contains('.') => asked.settings.push(argument),
                 _ => bail!(
-                    "{key}=? The keys are draws, seed, steps, laws, range, bristles, sines and those of a rig"
+                    "{key}=? The keys are draws, seed, steps, laws, range, bristles, plant, sines and those of a rig"
                 ),
             }
         }

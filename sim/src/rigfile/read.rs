@@ -29,7 +29,10 @@ impl Rig {
     /// Every problem with its key.
     pub fn with_settings(&self, settings: &[String]) -> Result<Rig, Problems> {
         let mut reader = Reader::new(self.name(), "");
-        let rig = self.changed(&mut reader, settings);
+        let mut rig = self.changed(&mut reader, settings);
+        // What a setting says, the controller knows.
+        let Rig { values, nominal, .. } = &mut rig;
+        nominal.retain(|path, _| values.get(path) == self.values.get(path));
         rig.checked_by(reader)
     }
 

@@ -1,7 +1,7 @@
-//! A law on a model of its drive: observers, a learned load, a way, a loop of the force.
+//! A model-based law: observers, a learned load, a way, a force loop.
 //!
 //! ```text
-//! sample -> motion -> flow -> load -> plan: way or rest -> force -> valve -> command
+//! sample -> motion -> flow -> load, lag -> plan: way, profile or rest -> force -> valve -> command
 //! ```
 //!
 //! | module | holds |
@@ -11,7 +11,7 @@
 //! | [`flow`] | what the model of the flow misses |
 //! | [`load`] | mass, friction and standing force, learned while it moves |
 //! | [`lag`] | how much slower than by the rig file the valve is, learned while it moves |
-//! | [`way`] | from any motion to rest at a target |
+//! | [`way`] | from any motion to rest at a target, or from a deviation to a profile |
 //! | [`force`] | the rate of the force that keeps the load on its way |
 //! | [`rest`] | when a load rests, and the force that holds it |
 //! | [`valve`] | the command for that rate |
@@ -20,8 +20,9 @@
 //! Units are counts of the encoder, samples, the supply pressure, and the force of that on area 1; a number in 2^-16 is Q16. What it
 //! knows of its drive is in its parameters, which `pneudrive-sim` makes of a rig file.
 //!
-//! A new setpoint begins a way from the motion that there is, and so does a valve that has been short of what is asked for 8 ms; a
-//! profile is followed as it comes, from where its speed jumps by a way of the deviation from it. A load that stands at the end of its way, or creeps within 40 um of its target, rests.
+//! A way begins from the motion that there is: at a new setpoint, and when the valve has been short of what is asked for 8 ms. A
+//! profile is followed as it comes. Where it begins, where it jumps and where the valve has been short, a way of the deviation joins
+//! it. A load that stands at the end of its way, or creeps within 40 um of its target, rests.
 
 pub mod air;
 pub mod flow;
@@ -90,9 +91,9 @@ pub struct Cascade {
     target: i32,
     phase: Phase,
     way: Way,
-    /// From the motion that there was to that of a profile, and the speed of the profile at the sample before, Q16.
+    /// From the motion that there was to that of a profile, and the point of the profile at the sample before.
     joining: Way,
-    led: i32,
+    led: Point,
     reference: Point,
     /// Samples for which the valve has been short.
     short: u32,
@@ -117,7 +118,7 @@ impl Default for Cascade {
             phase: Phase::Rest { held: 0, centre: 0 },
             way: Way::default(),
             joining: Way::default(),
-            led: 0,
+            led: Point::default(),
             reference: Point::default(),
             short: 0,
             side: 0,
@@ -235,7 +236,9 @@ impl Cascade {
         let (of_rest, error) = (&settings.rest, reference.error.unsigned_abs());
         match self.phase {
             Phase::Profile if self.has_been_led(of_rest, target) => {
-                (self.phase, self.way) = (Phase::Way, Way::at_rest(motion::middle(target)));
+                (self.phase, self.short) = (Phase::Way, 0);
+                self.way = Way::at_rest(motion::middle(target));
+                self.rest.set_off(&self.motion);
             }
             Phase::Profile => self.set_off(settings, force),
             _ if new && self.motion.stuck && error < of_rest.near => {
@@ -266,10 +269,13 @@ impl Cascade {
         }
     }
 
-    /// A profile, joined by a way of its own where it begins, where its speed jumps, and where the valve has not kept up with it.
+    /// A profile, joined by a way of its own where it begins, where it jumps, and where the valve has not kept up with it.
     fn follow(&mut self, settings: &Settings, point: &Point, force: i32) {
-        let change = point.v.saturating_sub(core::mem::replace(&mut self.led, point.v));
-        let jumps = change.unsigned_abs() > settings.way[1].unsigned_abs();
+        let led = core::mem::replace(&mut self.led, *point);
+        let most = u64::from(settings.way[1].unsigned_abs());
+        let leaves = |is: i64, expected: i64| is.wrapping_sub(expected).unsigned_abs() > most;
+        let jumps = leaves(point.x, led.x.wrapping_add(led.v.into()))
+            || leaves(point.v.into(), i64::from(led.v) + i64::from(led.a));
         let is_late = self.short > settings.late && self.motion.v.saturating_abs() > settings.under_way;
         self.joining.advance();
         if self.phase != Phase::Profile || jumps || is_late {
@@ -282,7 +288,7 @@ impl Cascade {
             };
             let limits = settings.limits((self.motion.x >> 16) as i32, self.load.by_mass);
             (self.phase, self.short) = (Phase::Profile, 0);
-            self.joining = Way::joining(from, &limits);
+            self.joining = Way::slowing(0, from, &limits);
         }
     }
 
@@ -309,7 +315,9 @@ impl Cascade {
         let from = Point { x: self.motion.x, v: self.motion.v, a, j: 0 };
         let target = motion::middle(self.target);
         let middle = (self.motion.x >> 17).wrapping_add(target >> 17) as i32;
-        self.way = Way::to(target, from, &settings.limits(middle, self.load.by_mass));
+        // A profile may end in motion.
+        let way = if self.phase == Phase::Profile { Way::slowing } else { Way::to };
+        self.way = way(target, from, &settings.limits(middle, self.load.by_mass));
         (self.phase, self.short) = (Phase::Way, 0);
         self.rest.set_off(&self.motion);
     }

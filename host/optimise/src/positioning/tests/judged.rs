@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use pneudrive_design::six_drives::SIX_DRIVES;
 use pneudrive_evaluate::evaluation::{Doubt, LimitCycle};
 use pneudrive_sim::component::controller::Law;
-use pneudrive_sim::keys;
+use pneudrive_sim::{Accuracy, keys, run};
 
 use super::drive;
 use crate::positioning::arrival::{Arrival, BANDS_MM};
@@ -149,4 +149,25 @@ fn the_law_by_a_model_follows_a_sine_on_each_of_six_drives() {
             assert!(score.failed.is_empty() && worst < 1.0, "{name}, {hz} Hz: {score}");
         }
     }
+}
+
+/// A sine ends on its target at full speed: the load is slowed down and brought back, it is not stopped at once.
+#[test]
+fn a_sine_that_ends_in_motion_is_left_without_a_jerk() {
+    let law = keys::controller::LAW.setting(Law::Cascade.word());
+    let test = [
+        "test.moves=[]",
+        "test.move=[{profile=\"step\", to_counts=12500}, {profile=\"sine\", at_s=0.5, to_counts=12500, amplitude_counts=3000, frequency_hz=1.0, cycles=2}]",
+        "test.position_m=0.125005",
+        "test.duration_s=4.0",
+    ];
+    let rig = drive("32x250", &[&[&*law], &test[..]].concat());
+    let run = run(&rig, Accuracy::of(&rig)).expect("it runs");
+    assert_eq!(run.fault, None);
+    let after = run.rows.iter().filter(|row| row.time > 2.5);
+    let farthest = after.clone().map(|row| (row.plant.position - 0.125_005).abs()).fold(0.0, f64::max);
+    let last = run.rows.last().expect("rows").plant.position;
+    assert!(farthest < 10e-3 && (last - 0.125_005).abs() < 0.05e-3, "{farthest} m beyond, {last} m");
+    let open = after.filter(|row| row.observation.command.unsigned_abs() > 2000).count();
+    assert!(open < 20, "{open} samples with a valve that is fully open");
 }

@@ -9,7 +9,7 @@
 //! 0.3, the stiction, B itself), forces in units of their noise, for recursive least squares ([`super::squares`]). What the filter still
 //! holds of the stiction is doubt.
 //!
-//! Every other sample above 30 mm/s counts. What is learned stays within its bounds: M 0.25 to 2.5, s 0.3 to 2, d within 8 stictions, B 0 to 5
+//! Every other sample above 30 mm/s counts; those between are for the lag of the valve ([`super::lag`]). What is learned stays within its bounds: M 0.25 to 2.5, s 0.3 to 2, d within 8 stictions, B 0 to 5
 //! times that of the rig file.
 //!
 //! | quantity | format | range |
@@ -190,8 +190,15 @@ impl Load {
         self.runs = false;
     }
 
-    /// A sample in motion: the step of the count, the speed (Q16) and the force (Q24); `fits`: whether it is one of those learned by.
-    pub(super) fn learn(&mut self, constants: &Constants, step: i32, speed: i32, force: i32, fits: bool) {
+    /// A sample in motion: the step of the count, the speed (Q16) and the force (Q24); `is_for_load`: whether it is one to learn by.
+    pub(super) fn learn(
+        &mut self,
+        constants: &Constants,
+        step: i32,
+        speed: i32,
+        force: i32,
+        is_for_load: bool,
+    ) {
         if constants.certainty == 0 {
             return;
         }
@@ -213,7 +220,7 @@ impl Load {
         let left = pass(&mut self.left, 0, pole);
         let mean = (before >> 1) + (after >> 1);
         let goes_on = (mean > 0) == (speed > 0) && mean.unsigned_abs() > constants.fast.unsigned_abs();
-        if fits && goes_on {
+        if is_for_load && goes_on {
             self.fit(constants, [after.saturating_sub(before), mean, force, slide], left);
             self.take_over(constants);
         }

@@ -1,7 +1,7 @@
 //! Rest: when a load at the end of its way rests, and the force that holds it, on dry friction and on bristles alike.
 //!
 //! ```text
-//! held       Fh' = 5e4/s^3 M/A e  beyond 20 um           Fh within s Fc of M w + f + d; within 0.4 of that to begin with
+//! held       Fh' = 5e4/s^3/A e  beyond 20 um             Fh within s Fc of M w + f + d; within 0.4 of that to begin with
 //! at rest    g = f (Fh - 50/s M/A v - F)                 neither K v nor what the flow observer missed; f/8 while nothing moves
 //! ```
 //!

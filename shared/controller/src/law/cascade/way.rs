@@ -1,4 +1,4 @@
-//! The way: from any motion to rest at a target.
+//! The way: from any motion to rest at a target, or from a deviation to a profile.
 //!
 //! ```text
 //! x = c0 + c1 s + ... + c7 s^7,   s = k/T               c0 to c2 by the motion it begins with, c4 to c7 by the rest it ends in
@@ -75,14 +75,14 @@ impl Way {
         Way::after(target, from, length(distance(target, from.x), limits))
     }
 
-    /// From a deviation to none: as long as its place and its speed need.
-    pub(super) fn joining(from: Point, limits: &Limits) -> Way {
+    /// The same, as long as its place and its speed need: of a deviation from a profile, or from one that ends in motion.
+    pub(super) fn slowing(target: i64, from: Point, limits: &Limits) -> Way {
         let speed = u64::from(from.v.unsigned_abs());
         let of = |speed: u64, limit: i32| ratio(speed, u64::from(limit.unsigned_abs()));
         let by_force = of((speed * 331_000) >> 16, limits.acceleration).min(LONGEST.into()) as u32;
         let by_flow = root(of(speed * 6656, limits.jerk).min(u32::MAX.into()) as u32);
         let slowed = by_force.max(by_flow).saturating_add(1).min(LONGEST);
-        Way::after(0, from, length(distance(0, from.x), limits).max(slowed))
+        Way::after(target, from, length(distance(target, from.x), limits).max(slowed))
     }
 
     /// The same within so many samples.
