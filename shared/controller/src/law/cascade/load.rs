@@ -6,7 +6,7 @@
 //!
 //! M and s are parts of what the rig file says. The measured force, the friction and the speed go through the same filter
 //! 1/(p/300 + 1)^3, whose difference of the speed is a; each of the four unknowns is counted in units of its prior deviation (0.3,
-//! 0.3, the stiction, B itself), forces in units of their noise, for recursive least squares ([`super::squares`]). What the filter still
+//! 0.3, the stiction, B itself), forces in units of their noise, for recursive least squares (`squares`). What the filter still
 //! holds of the stiction is doubt.
 //!
 //! Every other sample above 30 mm/s counts; those between are for the lag of the valve ([`super::lag`]). What is learned stays within its bounds: M 0.25 to 2.5, s 0.3 to 2, d within 8 stictions, B 0 to 5
