@@ -32,4 +32,4 @@ pub use crate::random::unit_interval;
 pub use crate::values::{Fields, Origin, Rig, Source, Value};
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

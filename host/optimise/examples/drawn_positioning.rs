@@ -1,12 +1,12 @@
-//! How the law by a model and the gain profile of `rig new` position drives that are drawn at random: cylinders, loads, valves, supplies and periods that a builder may
-//! combine, well or badly, as `rig new` makes them.
+//! How the law `cascade` and the gain profile of `rig new` position drives that are drawn at random: cylinders, loads, valves,
+//! supplies and periods in combinations that a builder may choose, good or bad.
 //!
 //! ```text
 //! cargo run --release -p pneudrive-optimise --example drawn_positioning -- [DRIVES] [DRAWS OF EACH] [FIRST SEED]
 //! ```
 //!
 //! A line for each law: drives, steps, the shares within 1, 0.2 and 0.05 mm, those that still move, those that trip, and on how many
-//! drives all steps end within 0.2 mm. The drives on which a step of the law by a model does not, or still moves, go to stderr.
+//! drives all steps end within 0.2 mm. The drives on which a step of the law `cascade` does not, or still moves, go to stderr.
 
 #[path = "../../design/tests/drawn/mod.rs"]
 mod drawn;
@@ -54,7 +54,7 @@ impl Sum {
     }
 }
 
-/// The drive of a seed on a law, if the law by a model takes it.
+/// The drive of a seed on a law, if the law `cascade` takes it.
 fn drive(seed: u64, law: Law) -> Option<Rig> {
     let mut answers = drawn::answers(seed);
     answers.answer(question_of("law")?, Law::Cascade.word());

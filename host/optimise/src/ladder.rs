@@ -175,12 +175,12 @@ impl Runs {
 }
 
 fn plans(source: &(String, String), settings: &[String]) -> Result<Vec<Plan>> {
-    let read = |more: &[&str]| {
-        let all: Vec<String> =
-            settings.iter().cloned().chain(more.iter().map(|&one| one.to_owned())).collect();
-        Rig::read_with(&source.0, &source.1, &all)
+    let file = Rig::read_with(&source.0, &source.1, settings)?;
+    // The controller knows nothing of another model of its plant.
+    let read = |models: &[&str]| {
+        let models: Vec<String> = models.iter().map(|&one| one.to_owned()).collect();
+        file.with_plant(&models)
     };
-    let file = read(&[])?;
     // As far as the rig allows it.
     let valve = with_nodes(&file);
     let mut complete: Vec<&str> = valve.iter().map(String::as_str).collect();
@@ -193,7 +193,7 @@ fn plans(source: &(String, String), settings: &[String]) -> Result<Vec<Plan>> {
     let reference = read(&complete)?;
     let mut plans = vec![
         Plan { component: "", model: "complete", rig: reference.clone() },
-        Plan { component: "", model: "as in the file", rig: file },
+        Plan { component: "", model: "as in the file", rig: file.clone() },
     ];
     let has_areas = has_areas(&reference);
     plans.extend(others(&reference, "valve", &keys::valve::MODEL, |model: valve::ValveKind| {

@@ -7,20 +7,20 @@ use pneudrive_controller::choice::Law;
 use pneudrive_controller::parameters::id;
 
 /// The problems of a file, a line each.
-fn problems(text: &str) -> Vec<String> {
+pub(crate) fn problems(text: &str) -> Vec<String> {
     match Rig::read("rig.toml", text) {
         Ok(_) => panic!("accepted: {text}"),
         Err(Problems(problems)) => problems.iter().map(ToString::to_string).collect(),
     }
 }
 
-fn only_problem(text: &str) -> String {
+pub(crate) fn only_problem(text: &str) -> String {
     let found = problems(text);
     assert_eq!(found.len(), 1, "{found:?}");
     found.into_iter().next().expect("one")
 }
 
-fn read(text: &str) -> Rig {
+pub(crate) fn read(text: &str) -> Rig {
     Rig::read("rig.toml", text).unwrap_or_else(|problems| panic!("{problems}"))
 }
 

@@ -2,25 +2,8 @@
 
 use crate::component::tubing::TubingKind;
 use crate::keys;
+use crate::rig::tests::{only_problem, problems, read};
 use crate::rig::{Problems, Rig};
-
-/// The problems of a file, a line each.
-fn problems(text: &str) -> Vec<String> {
-    match Rig::read("rig.toml", text) {
-        Ok(_) => panic!("accepted: {text}"),
-        Err(Problems(problems)) => problems.iter().map(ToString::to_string).collect(),
-    }
-}
-
-fn only_problem(text: &str) -> String {
-    let found = problems(text);
-    assert_eq!(found.len(), 1, "{found:?}");
-    found.into_iter().next().expect("one")
-}
-
-fn read(text: &str) -> Rig {
-    Rig::read("rig.toml", text).unwrap_or_else(|problems| panic!("{problems}"))
-}
 
 #[test]
 fn an_unknown_key_is_named_with_file_line_and_a_guess() {
