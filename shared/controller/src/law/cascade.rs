@@ -315,9 +315,12 @@ impl Cascade {
         let from = Point { x: self.motion.x, v: self.motion.v, a, j: 0 };
         let target = motion::middle(self.target);
         let middle = (self.motion.x >> 17).wrapping_add(target >> 17) as i32;
-        // A profile may end in motion.
-        let way = if self.phase == Phase::Profile { Way::slowing } else { Way::to };
-        self.way = way(target, from, &settings.limits(middle, self.load.by_mass));
+        let limits = settings.limits(middle, self.load.by_mass);
+        self.way = match self.phase {
+            // It may have ended in motion.
+            Phase::Profile => Way::slowing(target, from, &limits),
+            Phase::Way | Phase::Rest { .. } => Way::to(target, from, &limits),
+        };
         (self.phase, self.short) = (Phase::Way, 0);
         self.rest.set_off(&self.motion);
     }
