@@ -14,7 +14,7 @@ use super::arrival::{Arrival, BANDS_MM};
 use super::draw::Place;
 
 /// How long a drive holds before it moves, s.
-const HOLD_S: f64 = 0.2;
+pub const HOLD_S: f64 = 0.2;
 
 /// How long a move lasts, s.
 pub const MOVE_S: f64 = 3.0;
