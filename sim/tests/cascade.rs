@@ -1,8 +1,5 @@
-//! The law "cascade": what it is for, and its integers beside its equations in real numbers.
+//! The law "cascade": what it is for. Its integers are compared with its equations in `shared/controller/tests/cascade.rs`.
 
-mod oracle;
-
-use oracle::Oracle;
 use pneudrive_controller::law::Running;
 use pneudrive_controller::{Config, Fault, Mode, Move, Sequence, State, output, sample};
 use pneudrive_sim::{Accuracy, Plant, Rig};
@@ -57,7 +54,6 @@ struct Drive {
     plant: Plant,
     config: Config,
     state: State,
-    oracle: Oracle,
     /// s, m.
     period: f64,
     count: f64,
@@ -105,15 +101,14 @@ impl Drive {
             plant: Plant::new(&real, Accuracy { tolerance: 1e-8, ..Accuracy::of(&real) }, 1),
             config: Config::new(&parameters).expect("a checked rig"),
             state: State::default(),
-            oracle: Oracle::of(&parameters),
             period: number("controller.period_s"),
             count,
             start,
         }
     }
 
-    /// Runs moves; `see` gets the time, the true position and the commands of law and oracle at each sample.
-    fn run(&mut self, sequence: &Sequence, mut see: impl FnMut(&Drive, f64, f64, [i16; 2])) -> Option<Fault> {
+    /// Runs moves; `see` gets the time and the true position at each sample.
+    fn run(&mut self, sequence: &Sequence, mut see: impl FnMut(f64, f64)) -> Option<Fault> {
         self.state.locate(0);
         self.state.supervisor.arm().expect("at rest");
         self.state.start(&self.config, sequence).expect("a run");
@@ -123,10 +118,7 @@ impl Drive {
             let command = output(&self.config, &mut self.state);
             let time = f64::from(k) * self.period;
             let position = self.plant.look(time).expect("a state").position;
-            let target = self.state.observation().setpoint;
-            let real = self.oracle.step(seen.position, [seen.pressure_1, seen.pressure_2], target);
-            see(self, time, position, [command.counts, real]);
-            self.oracle.commanded(command.counts);
+            see(time, position);
             seen = self.plant.advance(command).expect("a sample");
         }
         match self.state.supervisor.mode() {
@@ -164,7 +156,7 @@ fn a_drive_by_its_data_sheet_alone_positions_within_a_twentieth_of_a_millimetre(
             let sequence = drive.step(counts, 1.2);
             let (mut came, mut beyond, mut low, mut high) =
                 (0.0_f64, 0.0_f64, f64::INFINITY, f64::NEG_INFINITY);
-            let fault = drive.run(&sequence, |_, time, position, _| {
+            let fault = drive.run(&sequence, |time, position| {
                 let error = position - target;
                 if error.abs() > 0.05e-3 {
                     came = time;
@@ -211,7 +203,7 @@ fn a_drive_that_is_not_what_its_rig_file_says_does_not_swing() {
             let target = (f64::from(drive.start + counts) + 0.5) * drive.count;
             let mut ends = [[f64::INFINITY, f64::NEG_INFINITY]; 3];
             let mut error = f64::NAN;
-            let fault = drive.run(&sequence, |_, time, position, _| {
+            let fault = drive.run(&sequence, |time, position| {
                 let within = (time - 0.02) / 2.0;
                 if within.fract() > 0.5 && within < 3.0 {
                     let [low, high] = &mut ends[within as usize];
@@ -233,7 +225,7 @@ fn the_lag_of_a_slower_valve_is_learned() {
     let slow = ["operator.stiffness_per_mass_per_s2=98696", "operator.damping_per_s=439.8"];
     for (also, [least, most]) in [(&slow[..], [1.3, 2.9]), (&[], [0.8, 1.2])] {
         let mut drive = Drive::of_another(&[], [1.1, 0.9, 1.0], also, 0.05);
-        assert_eq!(drive.run(&drive.step(6000, 0.5), |_, _, _, _| {}), None);
+        assert_eq!(drive.run(&drive.step(6000, 0.5), |_, _| {}), None);
         let pace = f64::from(drive.law().lag().pace) / 65_536.0;
         assert!((least..=most).contains(&pace), "{pace} is not from {least} to {most}");
     }
@@ -243,39 +235,8 @@ fn the_lag_of_a_slower_valve_is_learned() {
 #[test]
 fn a_jammed_rod_trips_the_stall_detector() {
     let mut drive = Drive::unlike(&[], [1.0, 100.0, 1.0], 0.1);
-    let fault = drive.run(&drive.step(6000, 3.0), |_, _, _, _| {});
+    let fault = drive.run(&drive.step(6000, 3.0), |_, _| {});
     assert_eq!(fault, Some(Fault::NoMotion));
-}
-
-/// The integers on a run beside the equations in real numbers on the same samples: place (counts), speed (counts a sample), standing
-/// force (of the supply's), mass, friction, lag of the valve (parts). Commands are alike but where a threshold falls to the other side.
-#[test]
-fn the_integers_are_the_equations() {
-    for (name, of) in DRIVES {
-        let mut drive = Drive::drawn(of, &mut Draws(77), 0.04);
-        let sequence = drive.step(6000, 0.4);
-        let (mut worst, mut unlike, mut taken) = ([0.0_f64; 6], 0, 0);
-        drive.run(&sequence, |drive, _, _, [command, exact]| {
-            let (law, real) = (drive.law(), &drive.oracle);
-            let q16 = |value: i32| f64::from(value) / 65_536.0;
-            let differences = [
-                law.motion().x as f64 / 65_536.0 - real.motion.x,
-                q16(law.motion().v) - real.motion.v,
-                f64::from(law.motion().d) / 16_777_216.0 - real.motion.d,
-                q16(law.load().mass) - real.load.mass(),
-                q16(law.load().friction) - real.load.friction(),
-                q16(law.lag().pace) - real.lag.pace,
-            ];
-            for (worst, difference) in worst.iter_mut().zip(differences) {
-                *worst = worst.max(difference.abs());
-            }
-            taken += 1;
-            unlike += u32::from((command - exact).abs() > 3);
-        });
-        let bounds = [1e-3, 1e-3, 1e-4, 2e-4, 2e-4, 1e-3];
-        let holds = worst.iter().zip(bounds).all(|(worst, bound)| *worst < bound);
-        assert!(holds && unlike * 100 <= taken, "{name}: {worst:?}, {unlike} of {taken} commands");
-    }
 }
 
 /// A profile is followed as it comes: a sine of 60 mm at 1 Hz.
