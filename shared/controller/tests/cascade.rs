@@ -115,7 +115,7 @@ fn a_load_at_rest_is_held_with_a_shut_valve() {
     }
 }
 
-/// A change of any rounding shows here, without the twin.
+/// A change of any rounding shows here, without the twin. After one that is meant, the example that recorded them records them again.
 #[test]
 fn on_recorded_samples_it_commands_what_it_did() {
     for (name, text) in RECORDS {
