@@ -232,6 +232,28 @@ mod tests {
         }
     }
 
+    /// 5.05 v0/a where the force is the limit, sqrt(26 v0/j) where the flow is.
+    #[test]
+    fn a_deviation_at_speed_gets_the_time_that_its_speed_needs() {
+        for (speed, acceleration, jerk) in
+            [(100, 2.0, 128.0), (100, 2.0, 0.02), (3, 0.5, 1.0), (20_000, 0.1, 1.0)]
+        {
+            let limits = Limits {
+                acceleration: (acceleration * 65_536.0) as i32,
+                jerk: (jerk * 16_777_216.0) as i32,
+                ..limits(6)
+            };
+            for sign in [1, -1] {
+                let from = Point { v: (sign * speed) << 16, ..Point::default() };
+                let speed = f64::from(speed);
+                let exact =
+                    (5.05 * speed / acceleration).max((26.0 * speed / jerk).sqrt()).clamp(6.0, 131_072.0);
+                let length = f64::from(Way::slowing(0, from, &limits).length);
+                assert!((length - exact).abs() <= 2.0 + 1e-3 * exact, "{speed}: {length} instead of {exact}");
+            }
+        }
+    }
+
     #[test]
     fn a_way_keeps_its_limits() {
         for distance in [1, 30, 6000, 60_000, 1 << 24] {
