@@ -219,12 +219,18 @@ pub struct Columns(pub Vec<&'static Extra>);
 /// The name that selects all of them.
 const OF_VALVE: &str = "valve";
 
+/// The columns of the air inside the valve; those of the law are there anyway.
+fn of_valve() -> impl Iterator<Item = &'static Extra> {
+    EXTRAS.iter().filter(|extra| extra.is_of_valve())
+}
+
 fn columns(text: &str) -> Result<Columns, String> {
     if text == OF_VALVE {
-        return Ok(Columns(EXTRAS.iter().collect()));
+        return Ok(Columns(of_valve().collect()));
     }
     let unknown = |name: &str| format!("there is no column {name}; `pneudrive simulate --help` lists them");
-    let named = text.split(',').map(|name| Extra::named(name).ok_or_else(|| unknown(name)));
+    let of_name = |name: &str| of_valve().find(|extra| extra.name == name);
+    let named = text.split(',').map(|name| of_name(name).ok_or_else(|| unknown(name)));
     let mut found: Vec<&'static Extra> = Vec::new();
     for extra in named {
         let extra = extra?;
@@ -238,8 +244,13 @@ fn columns(text: &str) -> Result<Columns, String> {
 
 /// The columns for the help text.
 fn column_list() -> String {
-    let lines = EXTRAS.iter().map(|extra| format!("  {:<24}{}\n", extra.name, extra.help));
-    format!("Columns:\n{}  {OF_VALVE:<24}all of these\n", lines.collect::<String>())
+    let line = |extra: &Extra| format!("  {:<28}{}\n", extra.name, extra.help);
+    let of_law = EXTRAS.iter().filter(|extra| !extra.is_of_valve()).map(line);
+    format!(
+        "Columns:\n{}  {OF_VALVE:<28}all of these\n\nWith controller.law = \"cascade\" a trace has these anyway:\n{}",
+        of_valve().map(line).collect::<String>(),
+        of_law.collect::<String>()
+    )
 }
 
 /// Arguments of `studio`.
@@ -300,4 +311,13 @@ fn listen_address(text: &str) -> Result<String, String> {
 pub struct Replay {
     /// A TARGET file recorded with test.decimation=1, or a run streamed with --every 1
     pub file: PathBuf,
+    /// The rig that was recorded, for what its law knew: a built-in rig or a rig file, with controller.law = "cascade"
+    #[arg(long, value_name = "RIG", requires = "out")]
+    pub rig: Option<String>,
+    /// Replace a value of that rig; repeatable
+    #[arg(long = "set", value_name = "KEY=VALUE", requires = "rig")]
+    pub settings: Vec<String>,
+    /// Write what the law knew at each sample to this table (CSV)
+    #[arg(long, value_name = "FILE", requires = "rig")]
+    pub out: Option<PathBuf>,
 }

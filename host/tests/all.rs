@@ -20,6 +20,7 @@ mod identify;
 mod identify_valve;
 mod json;
 mod kills;
+mod known;
 mod logs;
 mod models;
 mod noise;

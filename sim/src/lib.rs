@@ -17,6 +17,7 @@
 //! | [`continuous`] | the controller in real numbers, for comparison |
 //! | [`gain_bug`] | the historical bug of the gain routine, for repetition |
 //! | [`follow`](mod@follow) | the plant under commands that were recorded |
+//! | [`known`] | what the law that positions by a model knows, in units of a person |
 //! | [`convergence`] | whether a run has converged |
 //! | [`run`](mod@run), [`trace`] | the real controller on the plant, and the transient |
 //!
@@ -31,6 +32,7 @@ pub mod follow;
 pub mod gain_bug;
 pub mod key;
 pub mod keys;
+pub mod known;
 pub mod monotone;
 pub mod network;
 mod number;

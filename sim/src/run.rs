@@ -5,6 +5,7 @@ use pneudrive_controller::{Command, Config, Fault, Mode, Observation, Sequence, 
 use crate::component::sensors::calibration::Reading;
 use crate::gain_bug::GainBug;
 use crate::keys;
+use crate::known::{Known, Units};
 use crate::plant::{Accuracy, Plant, PlantWork};
 use crate::trace::{MotionRow, Row};
 use crate::values::{Rig, seconds, whole_microseconds};
@@ -57,16 +58,23 @@ pub trait Record: Sized {
 
     /// Adds the air inside the valve at the row's time, if the row has room for it.
     fn add_valve(&mut self, _plant: &mut Plant) {}
+
+    /// Adds what the law knows, if the row has room for it.
+    fn add_known(&mut self, _known: impl FnOnce() -> Option<Known>) {}
 }
 
 impl Record for Row {
     #[inline]
     fn of(plant: &mut Plant, time: f64, seen: &Observation) -> Row {
-        Row { time, observation: *seen, plant: plant.snapshot(time), valve: None }
+        Row { time, observation: *seen, plant: plant.snapshot(time), valve: None, known: None }
     }
 
     fn add_valve(&mut self, plant: &mut Plant) {
         self.valve = Some(plant.valve_state(self.time));
+    }
+
+    fn add_known(&mut self, known: impl FnOnce() -> Option<Known>) {
+        self.known = known();
     }
 }
 
@@ -181,12 +189,14 @@ impl<R: Record> Runner<R> {
     fn add_row(&mut self, drive: &mut SimulatedDrive, time: f64) -> Result<(), IntegrationError> {
         let (seen, plant) = drive.seen_and_plant();
         plant.come_to(time)?;
-        self.run.rows.push(R::of(plant, time, seen));
-        if self.recording.valve
-            && let Some(row) = self.run.rows.last_mut()
-        {
+        let mut row = R::of(plant, time, seen);
+        if self.recording.valve {
             row.add_valve(plant);
         }
+        if let Some(units) = &drive.units {
+            row.add_known(|| units.known(&drive.state));
+        }
+        self.run.rows.push(row);
         Ok(())
     }
 }
@@ -230,6 +240,8 @@ struct SimulatedDrive {
     sequence: Sequence,
     state: State,
     plant: Plant,
+    /// Of what its law knows, if it does.
+    units: Option<Units>,
     bug: Option<GainBug>,
     /// The record of a sample if it differs from the controller's observation.
     seen: Option<Observation>,
@@ -249,7 +261,17 @@ impl SimulatedDrive {
         state.supervisor.arm().expect("a new drive does not run");
         state.start(&config, &sequence).expect("a checked rig has moves that may be run");
         let (plant, bug) = (Plant::new(rig, accuracy, 0), GainBug::of(rig, &config));
-        SimulatedDrive { config, sequence, state, plant, bug, seen: None, target: None, fault: None }
+        SimulatedDrive {
+            units: Units::of(rig),
+            config,
+            sequence,
+            state,
+            plant,
+            bug,
+            seen: None,
+            target: None,
+            fault: None,
+        }
     }
 
     /// The record of the present sample.

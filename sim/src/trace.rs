@@ -5,7 +5,9 @@ use std::fmt::Write;
 use pneudrive_controller::Observation;
 
 use crate::assembly::ValveState;
+use crate::known::Known;
 use crate::plant::Snapshot;
+use crate::values::Rig;
 
 /// The columns of trace.csv.
 pub const COLUMNS: [&str; 18] = [
@@ -40,6 +42,8 @@ pub struct Row {
     pub plant: Snapshot,
     /// The air inside the valve, where it was recorded.
     pub valve: Option<ValveState>,
+    /// What the law knows, if it has a model of its drive.
+    pub known: Option<Known>,
 }
 
 /// A row with only the motion of the load and the pressures: a third of the work of a [`Row`].
@@ -62,14 +66,45 @@ pub struct Extra {
     pub name: &'static str,
     /// Its meaning.
     pub help: &'static str,
-    of: fn(&ValveState) -> f64,
+    of: Source,
+}
+
+/// Where the numbers of a column come from.
+#[derive(Clone, Copy, Debug)]
+enum Source {
+    Valve(fn(&ValveState) -> f64),
+    Law(fn(&Known) -> f64),
 }
 
 impl Extra {
-    /// Its number in a row; not a number where the valve was not recorded.
+    /// Its number in a row; not a number where the valve was not recorded, and where the law knows nothing.
     #[must_use]
     pub fn value(&self, row: &Row) -> f64 {
-        row.valve.as_ref().map_or(f64::NAN, self.of)
+        match self.of {
+            Source::Valve(of) => row.valve.as_ref().map_or(f64::NAN, of),
+            Source::Law(of) => row.known.as_ref().map_or(f64::NAN, of),
+        }
+    }
+
+    /// What the law knew at a sample; None of a column of the valve.
+    #[must_use]
+    pub fn of_known(&self, known: &Known) -> Option<f64> {
+        match self.of {
+            Source::Valve(_) => None,
+            Source::Law(of) => Some(of(known)),
+        }
+    }
+
+    /// Whether it is of the air inside the valve, which is recorded on request.
+    #[must_use]
+    pub fn is_of_valve(&self) -> bool {
+        matches!(self.of, Source::Valve(_))
+    }
+
+    /// The columns that a run of this rig has anyway: what its law knows.
+    #[must_use]
+    pub fn of_rig(rig: &Rig) -> Vec<&'static Extra> {
+        EXTRAS.iter().filter(|extra| rig.knows_its_drive() && !extra.is_of_valve()).collect()
     }
 
     /// The column of a name.
@@ -79,8 +114,8 @@ impl Extra {
     }
 }
 
-/// The columns of the air inside the valve.
-pub const EXTRAS: [Extra; 11] = [
+/// The columns of the air inside the valve, and of what the law knows.
+pub static EXTRAS: [Extra; 24] = [
     extra("port_pressure_1_pa", "P_1v, at port 1 on the valve's side of its tube", |v| v.port_pressures[0]),
     extra("port_pressure_2_pa", "P_2v, at port 2", |v| v.port_pressures[1]),
     extra("node_pressure_1_pa", "P_n of the flow node of port 1 (6.47)", |v| v.node_pressures[0]),
@@ -96,10 +131,37 @@ pub const EXTRAS: [Extra; 11] = [
         v.exhaust_flows[0]
     }),
     extra("exhaust_flow_2_kg_s", "from the exhaust into the node of port 2", |v| v.exhaust_flows[1]),
+    known("law_phase", "what the law does: 0 rest, 1 a way of its own, 2 a profile", |k| k.stage),
+    known("law_reference_mm", "where the law wants the load", |k| k.reference * 1e3),
+    known("law_reference_velocity_m_s", "how fast the law wants the load", |k| k.reference_velocity),
+    known("law_position_mm", "where the law takes the load to be", |k| k.position * 1e3),
+    known("law_velocity_m_s", "how fast the law takes the load to be", |k| k.velocity),
+    known("law_force_n", "F, by the measured pressures", |k| k.force),
+    known("law_wanted_force_n", "F that the law wants", |k| k.wanted_force),
+    known(
+        "law_opposing_force_n",
+        "d of the motion observer: what stands against the load now, beside friction",
+        |k| k.opposing_force,
+    ),
+    known("law_standing_force_n", "the same as the law has learned it", |k| k.standing_force),
+    known("law_mass_kg", "the mass that the law has learned", |k| k.mass),
+    known("law_friction_share", "the friction that the law has learned, over that of the rig file", |k| {
+        k.friction
+    }),
+    known("law_lag_ms", "the lag of the valve that the law has learned", |k| k.lag * 1e3),
+    known(
+        "law_looseness",
+        "how often the law has doubled the distance from a target at which it rests",
+        |k| k.looseness,
+    ),
 ];
 
 const fn extra(name: &'static str, help: &'static str, of: fn(&ValveState) -> f64) -> Extra {
-    Extra { name, help, of }
+    Extra { name, help, of: Source::Valve(of) }
+}
+
+const fn known(name: &'static str, help: &'static str, of: fn(&Known) -> f64) -> Extra {
+    Extra { name, help, of: Source::Law(of) }
 }
 
 impl Row {

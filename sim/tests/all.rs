@@ -19,6 +19,7 @@ mod faults;
 mod follow;
 mod hysteresis;
 mod keys_in_use;
+mod known;
 mod lagged_tubes;
 mod mechanics;
 mod physics;

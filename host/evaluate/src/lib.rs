@@ -8,6 +8,7 @@
 //! | [`evaluation`], [`range`] | the figures of a transient's moves; a figure as a range over several runs |
 //! | [`recorded_test`] | the test that a record was made with, for a simulation of it |
 //! | [`replay`] | a TARGET file's inputs through the controller on the PC, compared with its outputs |
+//! | [`known`] | what the law of a record knew, by its replay |
 //! | [`spectrum`] | which frequencies a channel holds |
 //! | [`report`] | the page of transients |
 //! | [`parallel`] | the same for each of many, on several threads |
@@ -20,6 +21,7 @@ pub mod cancel;
 pub mod channel;
 pub mod deviation;
 pub mod evaluation;
+pub mod known;
 pub mod parallel;
 pub mod range;
 pub mod recorded_test;

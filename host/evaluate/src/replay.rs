@@ -32,6 +32,7 @@ use pneudrive_controller::{Config, Fault, Mode, Observation, Refusal, Sample, St
 use pneudrive_protocol::{RecordedSample, RequestRefusal};
 use pneudrive_records::target::{IMPORTED, TargetFile};
 use pneudrive_records::{test_lines, words};
+use pneudrive_sim::known::{Known, Units};
 
 use moves::Plan;
 use parameters::Header;
@@ -105,6 +106,8 @@ pub struct Replay {
     pub recorded: Vec<RecordedSample>,
     /// The output of the controller on the PC for each.
     pub replayed: Vec<Output>,
+    /// What the law knew at each; nothing without the rig of the record ([`crate::known`]).
+    pub known: Vec<Option<Known>>,
     /// The first difference.
     pub first: Option<Difference>,
     /// Samples that are different.
@@ -201,6 +204,11 @@ pub enum ReplayError {
 /// # Errors
 /// When the file lacks data that a replay needs.
 pub fn replay(file: &TargetFile) -> Result<Replay, ReplayError> {
+    replay_watched(file, None)
+}
+
+/// The same, with a look at what the law knows, in these units.
+pub(crate) fn replay_watched(file: &TargetFile, units: Option<&Units>) -> Result<Replay, ReplayError> {
     if let Some(log) = file.get(IMPORTED) {
         return Err(ReplayError::Imported(log.to_owned()));
     }
@@ -214,7 +222,7 @@ pub fn replay(file: &TargetFile) -> Result<Replay, ReplayError> {
         None => moves::plans(&config, &recorded)?,
     };
     for plan in plans {
-        let replay = Replay { notes: header.notes.clone(), ..run(&config, &plan, &recorded)? };
+        let replay = Replay { notes: header.notes.clone(), ..run(&config, &plan, &recorded, units)? };
         if best.as_ref().is_none_or(|best| replay.likeness() > best.likeness()) {
             best = Some(replay);
         }
@@ -244,13 +252,20 @@ pub fn samples(file: &TargetFile) -> Result<Vec<RecordedSample>, ReplayError> {
 }
 
 /// The controller on the recorded inputs.
-fn run(config: &Config, plan: &Plan, recorded: &[RecordedSample]) -> Result<Replay, ReplayError> {
+fn run(
+    config: &Config,
+    plan: &Plan,
+    recorded: &[RecordedSample],
+    units: Option<&Units>,
+) -> Result<Replay, ReplayError> {
     let mut state = started(config, plan)?;
+    let mut known = Vec::new();
     let mut replayed = Vec::with_capacity(recorded.len());
     let mut tripped = None;
     for (k, seen) in (0..).zip(recorded) {
         sample(config, &plan.sequence, &mut state, &input(seen));
         replayed.push(Output::of(state.observation()));
+        known.extend(units.map(|units| units.known(&state)));
         if let Mode::Fault(fault) = state.supervisor.mode() {
             tripped = tripped.or(Some((fault, k)));
         }
@@ -261,6 +276,7 @@ fn run(config: &Config, plan: &Plan, recorded: &[RecordedSample]) -> Result<Repl
     let mut replay = Replay {
         recorded: recorded.to_vec(),
         replayed,
+        known,
         first: None,
         differences: 0,
         tripped,

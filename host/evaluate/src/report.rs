@@ -68,10 +68,18 @@ pub fn panels(transients: &[Transient]) -> Vec<Panel> {
 
 /// Graphs of the columns that not every trace has: title with unit, the end of their names, and the factor from the unit
 /// of the column.
-const EXTRA_GRAPHS: [(&str, &str, f64); 3] = [
+const EXTRA_GRAPHS: [(&str, &str, f64); 11] = [
     ("pressures in the valve, kPa", "_pa", 1e-3),
     ("temperatures in the valve, K", "_k", 1.0),
     ("flows of the lands, g/s", "_kg_s", 1e3),
+    ("places in the law, mm", "_mm", 1.0),
+    ("velocities in the law, m/s", "velocity_m_s", 1.0),
+    ("forces in the law, N", "_n", 1.0),
+    ("learned mass, kg", "_kg", 1.0),
+    ("learned friction, parts", "_share", 1.0),
+    ("learned lag, ms", "_ms", 1.0),
+    ("phase of the law", "_phase", 1.0),
+    ("looseness of its rest", "_looseness", 1.0),
 ];
 
 /// Those of [`EXTRA_GRAPHS`] of which a transient has a column.

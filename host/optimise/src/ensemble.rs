@@ -25,6 +25,7 @@ use pneudrive_records::band::Band;
 use pneudrive_records::judged::{FailedMembers, Judged, Spacing};
 use pneudrive_sim::keys;
 use pneudrive_sim::rig::Problems;
+use pneudrive_sim::trace::Extra;
 use pneudrive_sim::{Accuracy, Convergence, Recording, Rig, Run, check_convergence, run_recorded};
 
 use crate::runners::Runners;
@@ -124,7 +125,8 @@ pub fn run_ensemble<T: Send>(
     cancel.check()?;
     let Gathered { measured, convergence, lost } = Gathered::of(done, failed);
     let band = (spacing.runs > 1).then(|| band.into_inner().expect("no thread panics with it"));
-    let nominal = Judged { run: nominal, accuracy, convergence, band, spacing, lost, columns: Vec::new() };
+    let columns = Extra::of_rig(rig);
+    let nominal = Judged { run: nominal, accuracy, convergence, band, spacing, lost, columns };
     Ok(Ensemble { nominal, measured })
 }
 

@@ -2,9 +2,11 @@
 
 use pneudrive_evaluate::alignment::Align;
 use pneudrive_evaluate::deviation::{deviations, table};
+use pneudrive_evaluate::known::replay_of_rig;
 use pneudrive_evaluate::transient::{CHANNELS, Transient};
 use pneudrive_records::run_folder::StoredRun;
 use pneudrive_records::target::TargetFile;
+use pneudrive_sim::trace::Extra;
 use pneudrive_sim::{Accuracy, run};
 use serde::Deserialize;
 use serde_json::{Value, json};
@@ -12,7 +14,7 @@ use serde_json::{Value, json};
 use crate::columns::{Column, Columns};
 use crate::page_rig::PageRig;
 use crate::refusal::HttpRefusal;
-use crate::simulation::{rig_of, to_json};
+use crate::simulation::{law_curves, rig_of, to_json};
 
 /// A record, and the rig of the page.
 #[derive(Debug, Deserialize)]
@@ -99,6 +101,7 @@ impl Record {
 /// When the file is damaged or of another kind, the two cannot be aligned, or the rig cannot be simulated.
 pub fn answer(Compared { asked, record, align }: &Compared) -> Result<Vec<u8>, HttpRefusal> {
     let mut recorded = record.transient()?;
+    recorded.extras = record.known(asked);
     let simulated = simulated(asked)?;
     let shift =
         align.shift(&simulated, &recorded).map_err(|error| HttpRefusal::wrong(format!("{error:#}")))?;
@@ -112,6 +115,18 @@ pub fn answer(Compared { asked, record, align }: &Compared) -> Result<Vec<u8>, H
     let head =
         json!({ "name": record.name, "shift_s": shift, "deviation": to_json(&table(&heading, &found)) });
     Ok(curves(&recorded).to_bytes(head))
+}
+
+impl Record {
+    /// What the law of the record knew, if that of the page's rig has a model of its drive and the record can be replayed with it.
+    fn known(&self, asked: &PageRig) -> Vec<(&'static Extra, Vec<f64>)> {
+        let (Ok(rig), Ok(file)) = (asked.rig(), self.target()) else { return Vec::new() };
+        let Ok(replay) = replay_of_rig(&self.name, &file, &rig) else { return Vec::new() };
+        // Nothing is known before the run.
+        let before = file.samples.iter().filter(|(index, _)| *index < 0).count();
+        let whole = |values: Vec<f64>| [vec![f64::NAN; before], values].concat();
+        replay.known_columns(&rig).into_iter().map(|(extra, values)| (extra, whole(values))).collect()
+    }
 }
 
 /// The transient of a rig's run.
@@ -130,6 +145,7 @@ fn curves(transient: &Transient) -> Columns {
         unit,
         values: values.iter().map(|value| *value as f32).collect(),
     };
-    let columns = CHANNELS.iter().zip(&transient.channels).map(column).collect();
+    let mut columns: Vec<Column> = CHANNELS.iter().zip(&transient.channels).map(column).collect();
+    columns.extend(law_curves(&transient.extras));
     Columns { time: transient.time.clone(), columns }
 }

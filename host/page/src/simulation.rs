@@ -10,7 +10,7 @@ use pneudrive_records::words;
 use pneudrive_report::Table;
 use pneudrive_sim::component::controller::Loop;
 use pneudrive_sim::component::encoder::mm_per_count;
-use pneudrive_sim::trace::COLUMNS;
+use pneudrive_sim::trace::{COLUMNS, Extra};
 use pneudrive_sim::{Accuracy, Rig, Run, keys, run};
 use serde_json::{Value, json};
 
@@ -40,6 +40,23 @@ const CURVES: [(&str, &str, &str, f64); 16] = [
     ("piston force", "N", "actuator_force_n", 1.0),
     ("friction", "N", "friction_n", 1.0),
     ("acceleration", "m/s2", "acceleration_m_s2", 1.0),
+];
+
+/// The curves of what a law knows, if it has a model of its drive: name, unit, column and the factor between them.
+const LAW_CURVES: [(&str, &str, &str, f64); 13] = [
+    ("reference", "mm", "law_reference_mm", 1.0),
+    ("estimated", "mm", "law_position_mm", 1.0),
+    ("reference speed", "mm/s", "law_reference_velocity_m_s", 1e3),
+    ("estimated speed", "mm/s", "law_velocity_m_s", 1e3),
+    ("wanted force", "N", "law_wanted_force_n", 1.0),
+    ("measured force", "N", "law_force_n", 1.0),
+    ("opposing force", "N", "law_opposing_force_n", 1.0),
+    ("standing force", "N", "law_standing_force_n", 1.0),
+    ("learned mass", "kg", "law_mass_kg", 1.0),
+    ("learned friction", "of the file's", "law_friction_share", 1.0),
+    ("learned lag", "ms", "law_lag_ms", 1.0),
+    ("phase", "", "law_phase", 1.0),
+    ("looseness", "", "law_looseness", 1.0),
 ];
 
 /// The run of a rig alone: its curves, and the figures of its moves.
@@ -104,7 +121,19 @@ fn curves(rig: &Rig, run: &Run) -> Columns {
         let factor = if factor == 0.0 { mm_per_count } else { factor };
         Column { name, unit, values: rows.iter().map(|row| (row[place] * factor) as f32).collect() }
     });
-    Columns { time: run.rows.iter().map(|row| row.time).collect(), columns: columns.collect() }
+    let time = run.rows.iter().map(|row| row.time).collect();
+    let of_row = |extra: &'static Extra| (extra, run.rows.iter().map(|row| extra.value(row)).collect());
+    let known: Vec<_> = Extra::of_rig(rig).into_iter().map(of_row).collect();
+    Columns { time, columns: columns.chain(law_curves(&known)).collect() }
+}
+
+/// What a law knew, by the columns of it that there are.
+pub(crate) fn law_curves(known: &[(&'static Extra, Vec<f64>)]) -> Vec<Column> {
+    let drawn = LAW_CURVES.iter().filter_map(|&(name, unit, column, factor)| {
+        let (_, values) = known.iter().find(|(extra, _)| extra.name == column)?;
+        Some(Column { name, unit, values: values.iter().map(|value| (value * factor) as f32).collect() })
+    });
+    drawn.collect()
 }
 
 /// The fault that ended a run: its time and meaning.

@@ -2,7 +2,7 @@
 //
 // The curves lie on one canvas and the cursor on another, so that a cursor that moves draws no curve again.
 
-import { PANELS, drawPanel } from './panel.js';
+import { PANELS, drawPanel, isThere } from './panel.js';
 import { placeOf, scaleOf, ticks, tickText } from './scale.js';
 import { html } from './svg.js';
 import { VectorContext } from './vector.js';
@@ -122,7 +122,7 @@ export class Plot {
 
   /** Draws all graphs that are shown; tells where they are. */
   #drawPanels(context, { width, height }, palette) {
-    const panels = PANELS.filter((panel) => this.#shown.has(panel.id));
+    const panels = PANELS.filter((panel) => this.#shown.has(panel.id) && isThere(panel, this.#runs));
     const view = { ...this.view, colours: palette };
     view.ticks = ticks(view.from, view.to, (width - LEFT - LEGEND) / 90);
     const share = (height - BOTTOM) / panels.reduce((sum, panel) => sum + panel.height, 0);
@@ -157,7 +157,7 @@ export class Plot {
     context.textBaseline = 'middle';
     context.textAlign = 'left';
     context.fillStyle = palette.muted;
-    context.fillText(`${panel.id}, ${panel.unit}`, box.right + 10, box.top + 6);
+    context.fillText([panel.id, panel.unit].filter(Boolean).join(', '), box.right + 10, box.top + 6);
     const names = panel.curves.filter((name) => curves.has(name));
     names.forEach((name, row) => {
       const value = curves.get(name)[k];
@@ -322,7 +322,7 @@ function colours(element) {
 }
 
 /** Decimals by unit: what the controller can see, and no more. */
-const DECIMALS = { mm: 3, kPa: 1, 'mm/s': 1, counts: 0, K: 1, 'g/s': 3, N: 1, 'm/s2': 2 };
+const DECIMALS = { mm: 3, kPa: 1, 'mm/s': 1, counts: 0, K: 1, 'g/s': 3, N: 1, 'm/s2': 2, "of the file's": 3 };
 
 /** A value with the decimals of its unit. */
 export function valueText(value, unit) {

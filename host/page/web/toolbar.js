@@ -1,7 +1,7 @@
 // The buttons above the graphs: which of them are shown, how records lie over the run, and what is taken away.
 
 import { offer, toCsv, toFile } from './export.js';
-import { PANELS } from './panel.js';
+import { PANELS, isThere } from './panel.js';
 import { ALIGNMENTS } from './records.js';
 import { toReport } from './report.js';
 import { html } from './svg.js';
@@ -11,6 +11,8 @@ export class Toolbar {
   #callbacks;
   #records;
   #align;
+  /** The buttons of graphs that not every run has. */
+  #ofLaw = [];
   /** The buttons that need a run. */
   #ofRun;
 
@@ -24,7 +26,7 @@ export class Toolbar {
       button('CSV', 'The curves of this run as a table', () => this.#offer('csv', toCsv(callbacks.run()))),
       button('Report', 'Figures and graphs as a page to print', () => this.#report()),
     ];
-    element.append(...PANELS.map(({ id }) => this.#toggle(id)), this.#align,
+    element.append(...PANELS.map((panel) => this.#toggle(panel)), this.#align,
       button('whole time', 'All samples of the runs', () => plot.zoom(), 'plain'),
       button('Spectrum…', 'Which frequencies a channel holds, in the part that is in view', () => callbacks.spectrum()),
       csv,
@@ -37,15 +39,19 @@ export class Toolbar {
   /** Shows what depends on the run and the records. */
   update() {
     this.#align.hidden = this.#records.all.length === 0;
-    for (const one of this.#ofRun) one.disabled = this.#callbacks.run() === null;
+    const run = this.#callbacks.run();
+    for (const { panel, toggle } of this.#ofLaw) toggle.hidden = run === null || !isThere(panel, [run]);
+    for (const one of this.#ofRun) one.disabled = run === null;
   }
 
-  #toggle(id) {
+  #toggle(panel) {
+    const { id } = panel;
     const toggle = button(id, `The graph of ${id}`, () => {
       this.#plot.toggle(id);
       toggle.setAttribute('aria-pressed', String(this.#plot.isShown(id)));
     });
     toggle.setAttribute('aria-pressed', String(this.#plot.isShown(id)));
+    if (panel.ofLaw) this.#ofLaw.push({ panel, toggle });
     return toggle;
   }
 

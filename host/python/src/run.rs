@@ -121,7 +121,8 @@ fn alone(rig: &pneudrive_sim::Rig, plan: Plan, tell: &mut dyn FnMut(u64, u64)) -
     let Plan { accuracy, spacing, .. } = plan;
     let run = run_recorded(rig, accuracy, plan.recording(), |done, all| tell(done.into(), all.into()))?;
     let (convergence, band, lost) = (Convergence::UNKNOWN, None, FailedMembers::default());
-    Ok(Judged { run, accuracy, convergence, band, spacing, lost, columns: plan.columns })
+    let columns = [Extra::of_rig(rig), plan.columns].concat();
+    Ok(Judged { run, accuracy, convergence, band, spacing, lost, columns })
 }
 
 /// The run, and what was measured of it and its perturbed runs.
@@ -139,16 +140,17 @@ fn with_ensemble(
     if plan.recording().valve {
         // The same run again, now with a look into the valve at every row.
         judged.run = run_recorded(rig, plan.accuracy, plan.recording(), |_, _| {})?;
-        judged.columns = plan.columns;
+        judged.columns.extend(plan.columns);
     }
     Ok((judged, ensemble.measured))
 }
 
 fn columns_named(names: &[String]) -> PyResult<Vec<&'static Extra>> {
-    let known = || EXTRAS.map(|extra| extra.name).join(", ");
+    let of_valve = || EXTRAS.iter().filter(|extra| extra.is_of_valve());
+    let known = || of_valve().map(|extra| extra.name).collect::<Vec<_>>().join(", ");
     let named = |name: &String| {
         let missing = || PyValueError::new_err(format!("columns: there is no {name}; there are {}", known()));
-        Extra::named(name).ok_or_else(missing)
+        of_valve().find(|extra| extra.name == name).ok_or_else(missing)
     };
     names.iter().map(named).collect()
 }

@@ -37,7 +37,7 @@ pub struct Judged {
     pub spacing: Spacing,
     /// Its perturbed runs that failed.
     pub lost: FailedMembers,
-    /// Optional columns of its trace; its rows hold them.
+    /// Columns of its trace that not every trace has; its rows hold them.
     pub columns: Vec<&'static Extra>,
 }
 

@@ -1,11 +1,16 @@
 //! `pneudrive replay`.
 
 use anyhow::{Context, Result};
+use pneudrive_evaluate::known::replay_of_rig;
 use pneudrive_evaluate::replay::{ComparedQuantity, Difference, Replay, replay};
 use pneudrive_records::target::TargetFile;
+use pneudrive_records::whole_file::put;
 use pneudrive_records::words;
+use pneudrive_sim::Rig;
+use pneudrive_sim::trace::push_number;
 
 use super::figures;
+use super::rig_source::load_rig;
 use crate::cli::Replay as Arguments;
 use crate::exit::Exit;
 use crate::json;
@@ -15,11 +20,20 @@ const AROUND: usize = 3;
 
 pub(super) fn execute(arguments: &Arguments) -> Result<()> {
     let name = arguments.file.display().to_string();
-    let replay = replay(&TargetFile::read(&arguments.file)?).with_context(|| name.clone())?;
+    let file = TargetFile::read(&arguments.file)?;
+    let rig = arguments.rig.as_ref().map(|rig| load_rig(rig, &arguments.settings)).transpose()?;
+    let replay = match &rig {
+        Some(rig) => replay_of_rig(&name, &file, rig)?,
+        None => replay(&file).with_context(|| name.clone())?,
+    };
     for note in &replay.notes {
         tell!("note: {note}");
     }
     json::figures(|| figures::replay(&name, &replay));
+    if let (Some(rig), Some(out)) = (&rig, &arguments.out) {
+        put(out, &known_csv(&replay, rig, file.period_us()? / 1e6))?;
+        say!("{}: what the law knew at each sample", out.display());
+    }
     match replay.first {
         None => say!("{name}: {}\n{}", verdict(&replay), ending(&replay)),
         Some(first) => {
@@ -28,6 +42,25 @@ pub(super) fn execute(arguments: &Arguments) -> Result<()> {
         }
     }
     Ok(())
+}
+
+/// The recorded position, and what the law knew, a line for each sample. Time is in s from the start of the run.
+fn known_csv(replay: &Replay, rig: &Rig, period_s: f64) -> String {
+    let columns = replay.known_columns(rig);
+    let names = columns.iter().map(|(extra, _)| extra.name);
+    let mut text = ["time_s", "position_counts"].into_iter().chain(names).collect::<Vec<_>>().join(",");
+    text.push('\n');
+    for (k, sample) in replay.recorded.iter().enumerate() {
+        push_number(&mut text, k as f64 * period_s);
+        let values =
+            std::iter::once(f64::from(sample.position)).chain(columns.iter().map(|(_, values)| values[k]));
+        for value in values {
+            text.push(',');
+            push_number(&mut text, value);
+        }
+        text.push('\n');
+    }
+    text
 }
 
 fn verdict(replay: &Replay) -> String {

@@ -47,7 +47,7 @@ pub(super) fn execute(arguments: &Simulate) -> Result<()> {
     if let Some(columns) = &arguments.columns {
         // The same run again, now with the state of the valve at every row.
         judged.run = run_recorded(&rig, judged.accuracy, Recording { valve: true }, |_, _| {})?;
-        judged.columns = columns.0.clone();
+        judged.columns.extend(&columns.0);
     }
     let mut notes = words::run(&rig, &judged);
     notes.extend(origin);

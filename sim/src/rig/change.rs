@@ -85,7 +85,7 @@ impl Rig {
     }
 
     /// The rig that the controller takes this one for.
-    pub(super) fn nominal(&self) -> Cow<'_, Rig> {
+    pub(crate) fn nominal(&self) -> Cow<'_, Rig> {
         if self.nominal.is_empty() {
             return Cow::Borrowed(self);
         }

@@ -15,6 +15,7 @@
 //! | [`force`] | the rate of the force that keeps the load on its way |
 //! | [`rest`] | when a load rests, and the force that holds it |
 //! | [`valve`] | the command for that rate |
+//! | [`known`] | what it knows at a sample, to be looked at |
 //! | `number`, `squares` | products, quotients and roots; least squares |
 //!
 //! Units are counts of the encoder, samples, the supply pressure, and the force of that on area 1; a number in 2^-16 is Q16. What it
@@ -27,6 +28,7 @@
 pub mod air;
 pub mod flow;
 pub mod force;
+pub mod known;
 pub mod lag;
 pub mod load;
 pub mod motion;
@@ -95,6 +97,8 @@ pub struct Cascade {
     joining: Way,
     led: Point,
     reference: Point,
+    /// The force by the pressures and the wanted one, Q24: for who looks.
+    forces: [i32; 2],
     /// Samples for which the valve has been short.
     short: u32,
     /// The sign of the way.
@@ -120,6 +124,7 @@ impl Default for Cascade {
             joining: Way::default(),
             led: Point::default(),
             reference: Point::default(),
+            forces: [0; 2],
             short: 0,
             side: 0,
             rest: Rest::default(),
@@ -332,7 +337,9 @@ impl Cascade {
         match self.phase {
             Phase::Rest { held, .. } => {
                 let slowed = product(load.inertia(of_load), settings.rest.slowed(self.motion.v), 16);
-                let rate = loops.approach(held.saturating_sub(slowed), force, swift);
+                let wanted = held.saturating_sub(slowed);
+                self.forces = [force, wanted];
+                let rate = loops.approach(wanted, force, swift);
                 (if self.motion.stuck { rate >> 3 } else { rate }, settings.rest.least)
             }
             Phase::Way | Phase::Profile => {
@@ -353,7 +360,7 @@ impl Cascade {
                 }
                 let sign = if self.rest.is_loose() { self.side } else { soon.v.signum() };
                 let wanted = loops.wanted(&seen, &now, sign, breaks_away);
-                self.reference = now;
+                (self.reference, self.forces) = (now, [force, wanted]);
                 (loops.rate(&seen, &now, &soon, wanted).saturating_sub(self.flow.unknown()), 0)
             }
         }
