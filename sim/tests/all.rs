@@ -4,6 +4,7 @@ mod at_rest;
 mod bristles;
 mod builtin;
 mod cascade;
+mod cascade_keys;
 mod catalogue;
 mod channel_skew;
 mod closed_loop;

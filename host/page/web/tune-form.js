@@ -11,6 +11,7 @@ const FIELDS = [
   ['load_percent', 'Load ±', '%'],
   ['friction_percent', 'Friction ±', '%'],
   ['supply_percent', 'Supply pressure ±', '%'],
+  ['valve_percent', "Valve's conductance ±", '%'],
   ['population', 'Candidates', 'in each generation'],
   ['generations', 'Generations', '0: the gains of the file are judged'],
   ['draws', 'Fresh draws', 'that judge the gains'],
@@ -27,8 +28,8 @@ export class TuneForm {
     });
     const lines = (from, to) => this.#fields.slice(from, to).flatMap(({ name, label, unit, field }) => labelled(`tune-${name}`, label, field, unit));
     this.element = html('div', {}, html('h3', {}, 'What is asked of a step'), ...lines(0, 4),
-      html('h3', {}, 'The rigs that the drive may turn out to be'), ...lines(4, 7),
-      html('h3', {}, 'How long is looked for'), ...lines(7));
+      html('h3', {}, 'The rigs that the drive may turn out to be'), ...lines(4, 8),
+      html('h3', {}, 'How long is looked for'), ...lines(8));
     this.element.addEventListener('input', () => callbacks.changed());
   }
 

@@ -54,7 +54,7 @@ pub struct Tuned {
 struct Numbers<'a, 'py>(Option<&'a Bound<'py, PyDict>>);
 
 impl Numbers<'_, '_> {
-    const NAMES: [&'static str; 13] = [
+    const NAMES: [&'static str; 14] = [
         "step_mm",
         "settled_mm",
         "overshoot_percent",
@@ -62,6 +62,7 @@ impl Numbers<'_, '_> {
         "load",
         "friction",
         "supply",
+        "valve",
         "lowest_mm",
         "highest_mm",
         "draws",
@@ -119,6 +120,7 @@ const ABOVE_0: f64 = f64::MIN_POSITIVE;
 
 fn task(rig: &Rig, fixed: Vec<String>, numbers: &Numbers<'_, '_>) -> PyResult<Task> {
     numbers.check()?;
+    let [population, generations] = Budget::usual(&rig.rig);
     let size = |name: &str, usual: f64| numbers.number(name, usual, [ABOVE_0, f64::MAX]);
     let share = |name: &str, usual: f64| numbers.number(name, usual, [0.0, 0.9]);
     Ok(Task {
@@ -136,12 +138,13 @@ fn task(rig: &Rig, fixed: Vec<String>, numbers: &Numbers<'_, '_>) -> PyResult<Ta
             load: share("load", 0.3)?,
             friction: share("friction", 0.3)?,
             supply: share("supply", 0.0)?,
+            valve: share("valve", 0.0)?,
         },
         between_mm: [numbers.position("lowest_mm")?, numbers.position("highest_mm")?],
         draws: numbers.count("draws", 60, 1)?,
         budget: Budget {
-            population: numbers.count("population", 24, 2)?,
-            generations: numbers.count("generations", 25, 0)?,
+            population: numbers.count("population", population, 2)?,
+            generations: numbers.count("generations", generations, 0)?,
             seed: numbers.given("seed")?.unwrap_or(1),
         },
     })

@@ -212,6 +212,9 @@ pub struct Tune {
     /// Largest deviation of the supply pressure
     #[arg(long, value_name = "PERCENT", default_value = "0%", value_parser = percent)]
     pub supply: f64,
+    /// Largest deviation of the valve's conductances
+    #[arg(long, value_name = "PERCENT", default_value = "0%", value_parser = percent)]
+    pub valve: f64,
     /// No step goes below this position, mm [default: the software end position, or the allowed overshoot from the end]
     #[arg(long = "lowest", value_name = "MM", value_parser = position)]
     pub lowest_mm: Option<f64>,
@@ -224,12 +227,12 @@ pub struct Tune {
     /// Number of draws from the spread on which the gains are judged; the search does not see them
     #[arg(long, value_name = "N", default_value_t = 60, value_parser = draws)]
     pub draws: usize,
-    /// Number of candidates per generation
-    #[arg(long, value_name = "N", default_value_t = 24, value_parser = several)]
-    pub population: usize,
-    /// Number of generations; 0: only judge the gains of the file
-    #[arg(long, value_name = "N", default_value_t = 25, value_parser = generations)]
-    pub generations: usize,
+    /// Number of candidates per generation [default: 24; with the law cascade 8]
+    #[arg(long, value_name = "N", value_parser = several)]
+    pub population: Option<usize>,
+    /// Number of generations; 0: only judge the gains of the file [default: 25; with the law cascade 6]
+    #[arg(long, value_name = "N", value_parser = generations)]
+    pub generations: Option<usize>,
     /// Seed of the search; the same seed finds the same gains
     #[arg(long, default_value_t = 1)]
     pub seed: u64,

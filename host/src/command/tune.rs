@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 use anyhow::Result;
 use pneudrive_evaluate::cancel::CancelToken;
 use pneudrive_optimise::tuning::search::Budget;
+use pneudrive_optimise::tuning::trial::Trial;
 use pneudrive_optimise::tuning::{
     Behaviour, Goal, Progress as At, Relative, Stage, Task, behaviour, report, tune,
 };
@@ -94,7 +95,7 @@ fn name(stage: Stage) -> &'static str {
 }
 
 fn task(arguments: &Tune) -> Result<Task> {
-    Ok(Task {
+    let mut task = Task {
         source: rig_text(&arguments.rig.rig)?,
         settings: arguments.rig.settings.clone(),
         fixed: fixed(arguments)?,
@@ -104,15 +105,27 @@ fn task(arguments: &Tune) -> Result<Task> {
             overshoot_percent: arguments.overshoot_percent,
             time_s: arguments.time_s,
         },
-        spread: Relative { load: arguments.load, friction: arguments.friction, supply: arguments.supply },
+        spread: Relative {
+            load: arguments.load,
+            friction: arguments.friction,
+            supply: arguments.supply,
+            valve: arguments.valve,
+        },
         between_mm: [arguments.lowest_mm, arguments.highest_mm],
         draws: arguments.draws,
         budget: Budget {
-            population: arguments.population,
-            generations: arguments.generations,
+            population: arguments.population.unwrap_or(Budget::OF_GAINS[0]),
+            generations: arguments.generations.unwrap_or(Budget::OF_GAINS[1]),
             seed: arguments.seed,
         },
-    })
+    };
+    // What is wrong with a rig or a step, the tuning itself says.
+    if let Ok(trial) = Trial::of(&task, &[]) {
+        let [population, generations] = Budget::usual(&trial.rig);
+        task.budget.population = arguments.population.unwrap_or(population);
+        task.budget.generations = arguments.generations.unwrap_or(generations);
+    }
+    Ok(task)
 }
 
 /// The fixed keys, as `key=value`; a key without a value keeps the file's value.

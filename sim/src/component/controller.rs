@@ -30,6 +30,9 @@ macro_rules! keys_of_controller {
             GAIN_PROFILE: Vec<i64> = gain_profile().chosen_by(&LAW, &[Law::GainProfile.word()]);
             LEARN_NULL_OFFSET: bool = switch("controller.learn_null_offset", false, "8.2.3", "Whether the controller learns the command at which the valve is at its null.");
             LEARNING_GAIN: i64 = integer("controller.learning_gain", 256, 1, line(id::LEARNING_GAIN).max as i64, "8.2.3", "Part of the error at rest that is added to the null offset, divided by the scale; 1 in the thesis, which has no effect within a day.");
+            CASCADE_DEAD_TIME_FACTOR: f64 = number("controller.cascade_dead_time_factor", 1.0, 0.5, 3.0, "", "How much longer than by the rig file the law cascade takes the dead time of its force loop to be. All its poles are parts of its inverse.").chosen_by(&LAW, &[Law::Cascade.word()]);
+            CASCADE_FLOW_SHARE: f64 = number("controller.cascade_flow_share", 0.4, 0.05, 0.8, "", "What the ways of the law cascade ask of the drive: this part of the force and of the rate of the force that there are, and 1.25 times as large a part of the speed.").chosen_by(&LAW, &[Law::Cascade.word()]);
+            CASCADE_OBSERVER_FACTOR: f64 = number("controller.cascade_observer_factor", 1.0, 0.2, 2.0, "", "How much faster than usual the observers of the law cascade are; less than 1 smooths more.").chosen_by(&LAW, &[Law::Cascade.word()]);
             PRESSURE_FEEDBACK_GAIN: f64 = number("controller.pressure_feedback_gain", 12.4, 0.0, 1e6, "C(68)", "Counts of error that a kPa of quasi-transient pressure difference subtracts: it damps (9.1.2). 12.4 is Burrows' k5 and the default of the on-off law (the thesis does not give its unit); 0 is that of the other laws.");
         }
     };

@@ -21,7 +21,7 @@ use rand_chacha::rand_core::SeedableRng;
 use crate::tuning::spread::{Relative, Variant, fresh};
 
 /// By how much load, friction and supply differ.
-pub const TOLERANCE: Relative = Relative { load: 0.3, friction: 0.3, supply: 0.05 };
+pub const TOLERANCE: Relative = Relative { load: 0.3, friction: 0.3, supply: 0.05, valve: 0.0 };
 
 /// The noise on the converters of the sensors, counts.
 const NOISE_COUNTS: f64 = 1.0;

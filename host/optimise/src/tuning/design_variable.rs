@@ -99,6 +99,18 @@ pub(super) const DEAD_BAND: DesignVariable =
 /// Of the whole command.
 pub(super) const NULL_OFFSET: DesignVariable =
     design_variable("null offset, relative to the full command", "%", [-2.0, 2.0], Linear);
+/// Of the law that positions by a model of its drive.
+pub(super) const DEAD_TIME_FACTOR: DesignVariable = design_variable(
+    "dead time of the force loop, relative to that of the rig file",
+    "",
+    [0.7, 2.0],
+    Logarithmic,
+);
+pub(super) const FLOW_SHARE: DesignVariable =
+    design_variable("share of the force and of the flow that its ways ask for", "", [0.2, 0.8], Logarithmic)
+        .bounded_above();
+pub(super) const OBSERVER_FACTOR: DesignVariable =
+    design_variable("speed of the observers, relative to the usual one", "", [0.4, 1.6], Logarithmic);
 pub(super) const DITHER: DesignVariable =
     design_variable("dither of the spool", "mm", [0.0, 0.6], Linear).bounded_below();
 pub(super) const DITHER_HZ: DesignVariable =

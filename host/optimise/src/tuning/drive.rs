@@ -82,6 +82,7 @@ impl TunedDrive<'_> {
     /// The rig of a task; `more` keys are set.
     pub fn of<'a>(task: &'a Task, more: &[String], cancel: CancelToken<'a>) -> Result<TunedDrive<'a>> {
         let trial = Trial::of(task, more)?;
+        task.spread.check(&trial.rig)?;
         let space = Space::of(&trial.rig, task.goal.settled_mm, &fixed::keys(task))?;
         Ok(TunedDrive { task, trial, space, cancel })
     }

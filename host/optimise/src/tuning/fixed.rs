@@ -37,7 +37,7 @@ pub fn check(task: &Task) -> Result<()> {
         }
         if task.spread.keys().any(|drawn| drawn == key) {
             bail!(
-                "--fix {setting}: the spread draws {key}; give its value with --set and its spread as 0% (--load, --friction, --supply). {CAN_BE_FIXED}"
+                "--fix {setting}: the spread draws {key}; give its value with --set and its spread as 0% (--load, --friction, --supply, --valve). {CAN_BE_FIXED}"
             );
         }
         if OF_THE_STEP.contains(&key) {
@@ -50,4 +50,4 @@ pub fn check(task: &Task) -> Result<()> {
 }
 
 /// The keys that may be fixed.
-const CAN_BE_FIXED: &str = "Of the keys that are searched, these can be fixed: controller.gain_profile (with its span), controller.profile_span_counts, controller.proportional_gain, controller.velocity_gain, controller.acceleration_gain, controller.velocity_window_samples, controller.acceleration_window_samples, controller.dead_band_counts, controller.null_offset_counts, operator.dither_mm, operator.dither_hz; and any other key of a rig";
+const CAN_BE_FIXED: &str = "Of the keys that are searched, these can be fixed: controller.gain_profile (with its span), controller.profile_span_counts, controller.proportional_gain, controller.velocity_gain, controller.acceleration_gain, controller.velocity_window_samples, controller.acceleration_window_samples, controller.dead_band_counts, controller.null_offset_counts, operator.dither_mm, operator.dither_hz; of the law cascade controller.cascade_dead_time_factor, controller.cascade_flow_share, controller.cascade_observer_factor; and any other key of a rig";

@@ -39,6 +39,13 @@ fn is_dithered(rig: &Rig) -> bool {
     rig.get(&keys::operator::MODEL).is_solenoid()
 }
 
+/// What there is to tune of the law that positions by a model of its drive, and the key of each.
+const OF_MODEL: [(&DesignVariable, &Typed<f64>); 3] = [
+    (&design_variable::DEAD_TIME_FACTOR, &keys::controller::CASCADE_DEAD_TIME_FACTOR),
+    (&design_variable::FLOW_SHARE, &keys::controller::CASCADE_FLOW_SHARE),
+    (&design_variable::OBSERVER_FACTOR, &keys::controller::CASCADE_OBSERVER_FACTOR),
+];
+
 /// The genes of a rig.
 #[derive(Clone, Debug)]
 pub struct Space {
@@ -77,7 +84,7 @@ impl Space {
             );
         }
         let law = rig.get(&keys::controller::LAW);
-        if matches!(law, controller::Law::OnOff | controller::Law::Cascade) {
+        if law == controller::Law::OnOff {
             bail!(
                 "the law \"{}\" of {} has no gain to tune; choose controller.law=gain-profile",
                 law.word(),
@@ -105,6 +112,12 @@ impl Space {
             (&design_variable::DITHER, has_dither && !is_held(DITHER[0])),
             (&design_variable::DITHER_HZ, has_dither && dithers && !is_held(DITHER[1])),
         ];
+        let variables = match law {
+            controller::Law::Cascade => {
+                OF_MODEL.map(|(variable, key)| (variable, !is_held(key.key.path))).to_vec()
+            }
+            _ => variables.to_vec(),
+        };
         let variables: Vec<_> = variables
             .into_iter()
             .filter_map(|(design_variable, is_free)| is_free.then_some(design_variable))
@@ -137,6 +150,9 @@ impl Space {
     /// The settings for genes from 0 to 1, as `key=value`.
     #[must_use]
     pub fn settings(&self, shares: &[f64]) -> Vec<String> {
+        if self.rig.knows_its_drive() {
+            return self.of_model(shares);
+        }
         let value = |design_variable: &DesignVariable| {
             let place = self.variables.iter().position(|other| other.what == design_variable.what);
             place.map(|place| design_variable.value(shares[place]))
@@ -179,6 +195,15 @@ impl Space {
         ];
         let free = settings.into_iter().filter(|(key, _)| self.fixed.iter().all(|fixed| fixed != key));
         free.filter_map(|(key, value)| Some(format!("{key}={}", value?))).collect()
+    }
+
+    /// Those of a law that knows its drive, to a thousandth.
+    fn of_model(&self, shares: &[f64]) -> Vec<String> {
+        let set = |(variable, share): (&&'static DesignVariable, &f64)| {
+            let (_, key) = OF_MODEL.iter().find(|(other, _)| other.what == variable.what)?;
+            Some(key.setting(format_args!("{:.3}", variable.value(*share))))
+        };
+        self.variables.iter().zip(shares).filter_map(set).collect()
     }
 
     /// Where genes from 0 to 1 lie in their ranges.

@@ -184,10 +184,11 @@ fn asked(task: &Task, trial: &Trial, tuned: &Tuned) -> String {
         ),
     };
     format!(
-        "Goal: {step_mm} mm there and back, {time_s} s each way, settled within {settled_mm} mm, overshoot below {overshoot_percent} % of the step, no limit cycle. The spread: {}, {}, {}, steps in either direction between {low:.1} and {high:.1} mm. The gains were tuned on {} trials, the rig of the file and draws from the spread; the cost of gains is the mean over these: for a step that meets the goal, the share of its time that it takes to settle; otherwise 1 to 2, growing with the distance from the goal. They are judged on {} other draws, which the search has not seen.{fixed}{left} {} runs, seed {}.",
+        "Goal: {step_mm} mm there and back, {time_s} s each way, settled within {settled_mm} mm, overshoot below {overshoot_percent} % of the step, no limit cycle. The spread: {}, {}, {}, {}, steps in either direction between {low:.1} and {high:.1} mm. The gains were tuned on {} trials, the rig of the file and draws from the spread; the cost of gains is the mean over these: for a step that meets the goal, the share of its time that it takes to settle; otherwise 1 to 2, growing with the distance from the goal. They are judged on {} other draws, which the search has not seen.{fixed}{left} {} runs, seed {}.",
         percent("load", task.spread.load),
         percent("friction", task.spread.friction),
         percent("supply", task.spread.supply),
+        percent("valve", task.spread.valve),
         tuned.tuned_on.len(),
         tuned.fresh.len(),
         tuned.runs,

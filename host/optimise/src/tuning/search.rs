@@ -8,6 +8,7 @@
 //! with a new random F for each trial. A trial replaces its parent if it is not worse, so its evaluation can stop once it
 //! is worse. A whole generation is evaluated at once.
 
+use pneudrive_sim::Rig;
 use pneudrive_sim::rig::unit_interval;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -24,6 +25,16 @@ pub struct Budget {
 }
 
 impl Budget {
+    /// Candidates and generations for eleven numbers.
+    pub const OF_GAINS: [usize; 2] = [24, 25];
+
+    /// Candidates and generations of a search on a rig, unless others are asked for: a law that knows its drive has three numbers to
+    /// look for, others eleven.
+    #[must_use]
+    pub fn usual(rig: &Rig) -> [usize; 2] {
+        if rig.knows_its_drive() { [8, 6] } else { Budget::OF_GAINS }
+    }
+
     /// Most runs of a search whose candidates make this many runs each.
     #[must_use]
     pub fn runs(&self, each: usize) -> usize {

@@ -2,6 +2,7 @@
 //!
 //! Gains are tuned on some draws from the stated spread, and judged on others that no search has seen.
 
+use anyhow::{Result, ensure};
 use pneudrive_sim::Rig;
 use pneudrive_sim::keys;
 use pneudrive_sim::rig::unit_interval;
@@ -17,6 +18,8 @@ pub struct Relative {
     pub friction: f64,
     /// The supply pressure.
     pub supply: f64,
+    /// The conductances of the valve.
+    pub valve: f64,
 }
 
 /// A rig of the spread, as factors on the file's values, and its step.
@@ -28,6 +31,8 @@ pub struct Variant {
     pub friction: f64,
     /// On the supply pressure.
     pub supply: f64,
+    /// On the conductances of the valve.
+    pub valve: f64,
     /// Where the step lies on the way that the drive has: 0 at its retracted end, 1 at its extended end.
     pub place: f64,
     /// Whether the step extends; then it retracts again. False: the other way round.
@@ -47,33 +52,60 @@ pub(super) const FRICTION: [&str; 5] = [
 const LOAD: [&str; 1] = [keys::load::MASS_KG.key.path];
 const SUPPLY: [&str; 1] = [keys::supply::PRESSURE_PA.key.path];
 
+/// The conductances of a valve.
+const VALVE: [&str; 2] = [
+    keys::iso6358::SONIC_CONDUCTANCE_M3_PER_S_PA.key.path,
+    keys::iso6358::EXHAUST_SONIC_CONDUCTANCE_M3_PER_S_PA.key.path,
+];
+
 /// Of the random numbers: those that gains are tuned on, and those that they are judged on.
 const TUNED_ON: u64 = 0;
 const FRESH: u64 = 1;
+/// Those of the valve, so that the others are the same with a valve that is known.
+const VALVE_TUNED_ON: u64 = 3;
+const VALVE_FRESH: u64 = 4;
 
 impl Relative {
+    /// Whether a rig has all that is drawn.
+    ///
+    /// # Errors
+    /// What it has not.
+    pub fn check(&self, rig: &Rig) -> Result<()> {
+        let has_valve = VALVE.iter().any(|key| rig.number_at(key).is_some());
+        ensure!(
+            self.valve == 0.0 || has_valve,
+            "the valve of {} has no conductance to draw: its model takes other figures; leave out --valve",
+            rig.name()
+        );
+        Ok(())
+    }
+
     /// The keys that it draws.
     pub fn keys(&self) -> impl Iterator<Item = &'static str> {
         let drawn = |by: f64, keys: &'static [&'static str]| if by > 0.0 { keys } else { &[] };
         let load = drawn(self.load, &LOAD);
         let supply = drawn(self.supply, &SUPPLY);
-        load.iter().chain(drawn(self.friction, &FRICTION)).chain(supply).copied()
+        let valve = drawn(self.valve, &VALVE);
+        load.iter().chain(drawn(self.friction, &FRICTION)).chain(supply).chain(valve).copied()
     }
 }
 
 impl Variant {
     /// The rig of the file, extending about the middle.
-    pub const NOMINAL: Variant = Variant { load: 1.0, friction: 1.0, supply: 1.0, place: 0.5, extends: true };
+    pub const NOMINAL: Variant =
+        Variant { load: 1.0, friction: 1.0, supply: 1.0, valve: 1.0, place: 0.5, extends: true };
 
     /// Its settings for a rig, as `key=value`; without the step.
     #[must_use]
     pub fn settings(&self, rig: &Rig) -> Vec<String> {
         let [load, supply] = [LOAD.map(|key| (key, self.load)), SUPPLY.map(|key| (key, self.supply))];
         let friction = FRICTION.map(|key| (key, self.friction));
-        let scaled = load.into_iter().chain(supply).chain(friction).filter(|(_, factor)| *factor != 1.0);
-        scaled
-            .map(|(key, factor)| format!("{key}={:?}", factor * rig.number_at(key).unwrap_or(0.0)))
-            .collect()
+        let valve = VALVE.map(|key| (key, self.valve));
+        let all = load.into_iter().chain(supply).chain(friction).chain(valve);
+        let scaled = all.filter(|(_, factor)| *factor != 1.0);
+        // A value that the rig does not have follows another one.
+        let set = |(key, factor): (&str, f64)| Some(format!("{key}={:?}", factor * rig.number_at(key)?));
+        scaled.filter_map(set).collect()
     }
 
     /// The rig in words.
@@ -82,8 +114,12 @@ impl Variant {
         let percent = |what: &str, factor: f64| {
             (factor != 1.0).then(|| format!("{what} {:+.0} %", 100.0 * (factor - 1.0)))
         };
-        let parts =
-            [percent("load", self.load), percent("friction", self.friction), percent("supply", self.supply)];
+        let parts = [
+            percent("load", self.load),
+            percent("friction", self.friction),
+            percent("supply", self.supply),
+            percent("valve", self.valve),
+        ];
         let parts: Vec<String> = parts.into_iter().flatten().collect();
         if parts.is_empty() { "as in the file".to_owned() } else { parts.join(", ") }
     }
@@ -100,10 +136,13 @@ pub fn tuned_on(spread: &Relative, seed: u64) -> Vec<Variant> {
     let mut random = stream(seed, TUNED_ON);
     let mut share = || unit_interval(&mut random);
     let [load, friction, supply, place] = [(); 4].map(|()| strata(DRAWS, &mut share));
+    let mut of_valve = stream(seed, VALVE_TUNED_ON);
+    let valve = strata(DRAWS, &mut || unit_interval(&mut of_valve));
     let one = |n: usize| Variant {
         load: factor(spread.load, load[n]),
         friction: factor(spread.friction, friction[n]),
         supply: factor(spread.supply, supply[n]),
+        valve: factor(spread.valve, valve[n]),
         place: place[n],
         extends: n.is_multiple_of(2),
     };
@@ -128,10 +167,12 @@ fn factor(by: f64, share: f64) -> f64 {
 pub fn fresh(spread: &Relative, seed: u64, count: usize) -> Vec<Variant> {
     let mut random = stream(seed, FRESH);
     let mut share = || unit_interval(&mut random);
+    let mut of_valve = stream(seed, VALVE_FRESH);
     let one = |_| Variant {
         load: factor(spread.load, share()),
         friction: factor(spread.friction, share()),
         supply: factor(spread.supply, share()),
+        valve: factor(spread.valve, unit_interval(&mut of_valve)),
         place: share(),
         extends: share() < 0.5,
     };

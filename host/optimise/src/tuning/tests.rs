@@ -1,5 +1,6 @@
 mod holding;
 mod message;
+mod model;
 mod places;
 mod tracking;
 
@@ -21,7 +22,7 @@ fn task(rig: &str, settings: &[&str]) -> Task {
         settings: settings.iter().map(|&setting| setting.to_owned()).collect(),
         fixed: Vec::new(),
         goal: Goal { settled_mm: 2.0, overshoot_percent: 20.0, ..GOAL },
-        spread: Relative { load: 0.3, friction: 0.3, supply: 0.0 },
+        spread: Relative { load: 0.3, friction: 0.3, supply: 0.0, valve: 0.0 },
         between_mm: [None, None],
         draws: 4,
         budget: Budget { population: 4, generations: 2, seed: 5 },

@@ -116,7 +116,7 @@ fn gains(trial: &Trial, tuned: &Tuned) -> Result<Vec<(Gains, Vec<String>)>> {
         all.push((Gains::Found, found.clone()));
     }
     let rig = trial.with(found)?;
-    if !feeds_forward(&rig) {
+    if !rig.knows_its_drive() && !feeds_forward(&rig) {
         let as_feedback = [
             (keys::controller::VELOCITY_FEED_FORWARD.path, rig.get(&keys::controller::VELOCITY_GAIN)),
             (keys::controller::ACCELERATION_FEED_FORWARD.path, rig.get(&keys::controller::ACCELERATION_GAIN)),

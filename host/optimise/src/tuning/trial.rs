@@ -18,7 +18,7 @@ use super::{Task, Variant};
 use crate::ensemble::run_ensemble;
 use crate::runners::Runners;
 use pneudrive_evaluate::cancel::CancelToken;
-use pneudrive_evaluate::evaluation::{Motion, Move, moves};
+use pneudrive_evaluate::evaluation::{Doubt, LimitCycle, Motion, Move, moves};
 use pneudrive_evaluate::transient::Transient;
 
 /// Runs of the file's rig and its perturbed runs.
@@ -172,8 +172,20 @@ impl Trial {
     /// The result of a step there and back.
     #[must_use]
     pub fn performance(&self, moves: &[Move]) -> Performance {
-        let steps: Vec<&Move> = moves.iter().skip(1).collect();
-        Performance::of(&steps, self.goal.step_mm, self.goal.time_s)
+        let steps: Vec<Move> = moves.iter().skip(1).map(|one| self.held(one)).collect();
+        Performance::of(&steps.iter().collect::<Vec<_>>(), self.goal.step_mm, self.goal.time_s)
+    }
+
+    /// A move at whose end the law holds the load: it stands, and whatever leaks, the law keeps the force within what running friction
+    /// holds, so that it does not jump. Under other laws a drive whose pressures change may.
+    fn held(&self, one: &Move) -> Move {
+        match one.limit_cycle {
+            LimitCycle::Undecided(Doubt::Sticking { .. }) if self.rig.knows_its_drive() => Move {
+                limit_cycle: LimitCycle::None { below_mm: one.range_mm, for_s: self.goal.time_s / 4.0 },
+                ..one.clone()
+            },
+            _ => one.clone(),
+        }
     }
 
     /// From where to where the step of a variant goes, mm.

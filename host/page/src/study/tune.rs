@@ -38,6 +38,9 @@ pub struct Goal {
     friction_percent: f64,
     /// Largest deviation of the supply pressure, %.
     supply_percent: f64,
+    /// Largest deviation of the valve's conductances, %.
+    #[serde(default)]
+    valve_percent: f64,
     /// Number of draws on which the gains are judged.
     draws: usize,
     /// Candidates per generation.
@@ -57,6 +60,7 @@ impl Default for Goal {
             load_percent: 30.0,
             friction_percent: 30.0,
             supply_percent: 0.0,
+            valve_percent: 0.0,
             draws: 60,
             population: 24,
             generations: 25,
@@ -115,6 +119,7 @@ impl TuneRequest {
                 load: goal.load_percent / 100.0,
                 friction: goal.friction_percent / 100.0,
                 supply: goal.supply_percent / 100.0,
+                valve: goal.valve_percent / 100.0,
             },
             between_mm: [None; 2],
             draws: goal.draws,
@@ -148,6 +153,7 @@ impl Goal {
             ("load", self.load_percent),
             ("friction", self.friction_percent),
             ("supply", self.supply_percent),
+            ("valve", self.valve_percent),
         ] {
             within(name, percent, &(0.0..=50.0), "between 0 and 50 %")?;
         }
@@ -161,7 +167,7 @@ impl Goal {
     /// As the command takes it.
     fn options(&self) -> String {
         format!(
-            "--step {} --settled {} --overshoot {} --time {} --load {}% --friction {}% --supply {}% --draws {} --population {} --generations {}",
+            "--step {} --settled {} --overshoot {} --time {} --load {}% --friction {}% --supply {}% --valve {}% --draws {} --population {} --generations {}",
             self.step_mm,
             self.settled_mm,
             self.overshoot_percent,
@@ -169,6 +175,7 @@ impl Goal {
             self.load_percent,
             self.friction_percent,
             self.supply_percent,
+            self.valve_percent,
             self.draws,
             self.population,
             self.generations,

@@ -60,6 +60,15 @@ class Controller(Table):
     def learning_gain(self) -> int:
         """Part of the error at rest that is added to the null offset, divided by the scale; 1 in the thesis, which has no effect within a day."""
     @property
+    def cascade_dead_time_factor(self) -> float:
+        """How much longer than by the rig file the law cascade takes the dead time of its force loop to be. All its poles are parts of its inverse."""
+    @property
+    def cascade_flow_share(self) -> float:
+        """What the ways of the law cascade ask of the drive: this part of the force and of the rate of the force that there are, and 1.25 times as large a part of the speed."""
+    @property
+    def cascade_observer_factor(self) -> float:
+        """How much faster than usual the observers of the law cascade are; less than 1 smooths more."""
+    @property
     def pressure_feedback_gain(self) -> float:
         """Counts of error that a kPa of quasi-transient pressure difference subtracts: it damps (9.1.2). 12.4 is Burrows' k5 and the default of the on-off law (the thesis does not give its unit); 0 is that of the other laws."""
     @property

@@ -10,6 +10,9 @@
 //! poles                  force 0.6/tau, position 0.24/tau, motion observer 1.0/tau, flow observer 0.35/tau
 //! ways                   half of the speed of the choked flow, 0.4 of the force, 0.4 of the flow
 //! ```
+//!
+//! Three keys of the rig file move these: `controller.cascade_dead_time_factor` multiplies tau, `controller.cascade_observer_factor`
+//! the poles of the observers, and `controller.cascade_flow_share` is the 0.4 of the ways, whose speed has 1.25 times as much.
 
 use pneudrive_controller::parameters::id;
 
@@ -34,10 +37,8 @@ const FORCE_POLE: f64 = 0.6;
 const POSITION_POLE: f64 = 0.24;
 const MOTION_POLE: f64 = 1.0;
 const FLOW_POLE: f64 = 0.35;
-/// What a way of its own asks for, parts of the largest speed, acceleration and rate of the force.
-const WAY_SPEED: f64 = 0.5;
-const WAY_ACCELERATION: f64 = 0.4;
-const WAY_FLOW: f64 = 0.4;
+/// The part of the largest speed that a way of its own asks for, over that of the force and of its rate.
+const WAY_SPEED: f64 = 1.25;
 /// The noise of a force, part of the exhaust pressure on area 1.
 const FORCE_NOISE: f64 = 0.02;
 
@@ -73,6 +74,10 @@ struct Drive {
     force: f64,
     /// K_D/K_S of the spool, s.
     lag: f64,
+    /// What its ways ask for, and how much longer tau and how much faster the observers are than usual.
+    flow_share: f64,
+    dead_time_factor: f64,
+    observer_factor: f64,
 }
 
 impl Drive {
@@ -90,6 +95,9 @@ impl Drive {
             exhaust: rig.get(&keys::exhaust::PRESSURE_PA),
             lag: rig.get(&keys::empirical::DAMPING_PER_S)
                 / rig.get(&keys::empirical::STIFFNESS_PER_MASS_PER_S2),
+            flow_share: rig.get(&keys::controller::CASCADE_FLOW_SHARE),
+            dead_time_factor: rig.get(&keys::controller::CASCADE_DEAD_TIME_FACTOR),
+            observer_factor: rig.get(&keys::controller::CASCADE_OBSERVER_FACTOR),
         }
     }
 
@@ -131,7 +139,7 @@ impl Drive {
             (id::CASCADE_STEEPNESS_EXHAUST, fixed(steepness(&exhaust), 16)),
             (id::CASCADE_LEAKAGE, fixed(1e-2 * rig.get(&keys::lands::LEAKAGE_PERCENT), 16)),
             // The choked flow that leaves the larger chamber.
-            (id::CASCADE_WAY_SPEED, fixed(WAY_SPEED * flow(&exhaust) / exponent, 16)),
+            (id::CASCADE_WAY_SPEED, fixed(WAY_SPEED * self.flow_share * flow(&exhaust) / exponent, 16)),
         ]
     }
 
@@ -150,7 +158,7 @@ impl Drive {
             (id::CASCADE_VISCOUS, fixed(self.load.viscous * self.count / self.period / self.force, 30)),
             (id::CASCADE_WEIGHT, part(self.load.weight())),
             (id::CASCADE_STANDING_FORCE, part(-self.load.constant_force)),
-            (id::CASCADE_WAY_ACCELERATION, fixed(WAY_ACCELERATION * pull * per_force, 16)),
+            (id::CASCADE_WAY_ACCELERATION, fixed(self.flow_share * pull * per_force, 16)),
             (id::CASCADE_LEARNING_NOISE, part(FORCE_NOISE * self.exhaust * self.actuator.area_1)),
         ]
     }
@@ -185,15 +193,15 @@ impl Drive {
 
     fn loops(&self) -> Vec<(u16, i32)> {
         // Samples from one to what it does to the flow.
-        let tau = (self.delay + 0.5 * self.period + self.lag / BOOST) / self.period;
-        let decay = |pole: f64| fixed(libm::exp(-pole / tau), 30);
+        let tau = self.dead_time_factor * (self.delay + 0.5 * self.period + self.lag / BOOST) / self.period;
+        let decay = |pole: f64| fixed(libm::exp(-pole * self.observer_factor / tau), 30);
         vec![
             (id::CASCADE_DEAD_TIME, fixed(tau, 16)),
             (id::CASCADE_FORCE_POLE, fixed(FORCE_POLE / tau, 16)),
             (id::CASCADE_POSITION_POLE, fixed(POSITION_POLE / tau, 16)),
             (id::CASCADE_MOTION_DECAY, decay(MOTION_POLE)),
             (id::CASCADE_FLOW_DECAY, decay(FLOW_POLE)),
-            (id::CASCADE_WAY_FLOW, fixed(WAY_FLOW, 16)),
+            (id::CASCADE_WAY_FLOW, fixed(self.flow_share, 16)),
         ]
     }
 }

@@ -61,6 +61,9 @@ pub fn notes(trial: &Trial, behaviour: &Behaviour) -> Vec<String> {
 fn feed_forward(trial: &Trial, behaviour: &Behaviour) -> String {
     let with = behaviour.sines.iter().find(|one| one.gains == Gains::FeedForward);
     match with {
+        None if trial.rig.knows_its_drive() => {
+            "The law follows a profile by the profile's own speed and acceleration.".to_owned()
+        }
         None if feeds_forward(&trial.rig) => {
             "The law has the feed-forward of the file; tune looks for none.".to_owned()
         }

@@ -66,7 +66,7 @@ fn a_key_that_cannot_be_held_is_refused_by_what_can() {
             "{message}"
         );
     }
-    let known = Relative { load: 0.0, friction: 0.3, supply: 0.0 };
+    let known = Relative { load: 0.0, friction: 0.3, supply: 0.0, valve: 0.0 };
     let fixed = ["load.mass_kg=2.0", "controller.period_s=0.002", "controller.velocity_gain=100"];
     let fixed = fixed.map(str::to_owned).to_vec();
     fixed::check(&Task { fixed, spread: known, ..task("servo-b", &[]) }).expect("any other key can be held");

@@ -4,7 +4,7 @@ use super::*;
 
 #[test]
 fn gains_are_tuned_on_the_whole_spread_and_stroke_in_both_directions() {
-    let spread = Relative { load: 0.3, friction: 0.2, supply: 0.0 };
+    let spread = Relative { load: 0.3, friction: 0.2, supply: 0.0, valve: 0.0 };
     let all = spread::tuned_on(&spread, 3);
     assert_eq!((all.len(), &all[0], all == spread::tuned_on(&spread, 3)), (21, &Variant::NOMINAL, true));
     let draws = &all[1..];
@@ -18,7 +18,7 @@ fn gains_are_tuned_on_the_whole_spread_and_stroke_in_both_directions() {
     assert!(in_every_twentieth(&|one| (one.friction - 0.8) / 0.4));
     assert!(draws.iter().all(|one| one.supply == 1.0));
     assert_eq!(draws.iter().filter(|one| one.extends).count(), 10);
-    let still = Relative { load: 0.0, friction: 0.0, supply: 0.0 };
+    let still = Relative { load: 0.0, friction: 0.0, supply: 0.0, valve: 0.0 };
     let still = spread::tuned_on(&still, 3);
     assert!(still[1..].iter().all(|one| one.name() == "as in the file"));
     assert!(still[1] != still[2], "a drive that is known well is moved all the same");
@@ -26,7 +26,7 @@ fn gains_are_tuned_on_the_whole_spread_and_stroke_in_both_directions() {
 
 #[test]
 fn fresh_draws_cover_the_whole_spread_and_are_none_that_gains_were_tuned_on() {
-    let spread = Relative { load: 0.3, friction: 0.2, supply: 0.1 };
+    let spread = Relative { load: 0.3, friction: 0.2, supply: 0.1, valve: 0.0 };
     let draws = spread::fresh(&spread, 3, 200);
     assert_eq!(draws, spread::fresh(&spread, 3, 200));
     assert_ne!(draws, spread::fresh(&spread, 4, 200));
