@@ -16,7 +16,8 @@ fn column(table: &str, name: &str) -> Vec<f64> {
 fn a_simulation_and_the_replay_of_a_record_show_what_the_law_knew() {
     let folder = folder();
     let test = "press --set test.duration_s=0.8";
-    ok(folder.path(), &format!("simulate {test} --out sim"));
+    let told = ok(folder.path(), &format!("simulate {test} --out sim"));
+    assert!(told.contains(" times the bang-bang bound of "), "{told}");
     let rig = virtual_rig("press");
     ok(folder.path(), &format!("run {test} --port {}", rig.port()));
     ok(folder.path(), &format!("record --port {}", rig.port()));

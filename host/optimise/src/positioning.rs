@@ -12,12 +12,14 @@
 //! | [`arrival`] | how a step ended, and how far a drive was from a sine |
 //! | [`score`] | both over all draws |
 //! | [`bang_bang`] | the bound on the time of a step |
+//! | [`mod@beside`] | the steps of any run beside that bound |
 //!
 //! The law is that of `controller.law` in the rig file, with its gains. The same seed draws the same rigs and places, whatever the
 //! law and the number of threads, so that laws are compared on the same draws.
 
 pub mod arrival;
 pub mod bang_bang;
+pub mod beside;
 pub mod course;
 pub mod draw;
 pub mod score;
@@ -29,6 +31,7 @@ use pneudrive_sim::{Accuracy, Rig, Run, check_convergence};
 
 pub use arrival::{Arrival, BANDS_MM};
 pub use bang_bang::{Bound, bound};
+pub use beside::beside_bound;
 pub use course::{Sine, Steps, usual_step_mm};
 pub use draw::{Draw, Spread, draws};
 pub use score::{SineScore, StepScore};

@@ -4,6 +4,7 @@ use http::StatusCode;
 use pneudrive_evaluate::cancel::CancelToken;
 use pneudrive_evaluate::evaluation::{Move, TOLERANCE_MM, moves_of_run, remarks, table};
 use pneudrive_optimise::ensemble::{Ensemble, run_ensemble};
+use pneudrive_optimise::positioning::beside_bound;
 use pneudrive_records::band::{Band, CHANNELS};
 use pneudrive_records::judged::Spacing;
 use pneudrive_records::words;
@@ -156,11 +157,13 @@ pub(crate) fn to_json(table: &Table) -> Value {
 /// The range of a run and its perturbed runs, and the basis of its figures.
 fn band(rig: &Rig, ensemble: &Ensemble<Vec<Move>>) -> Vec<u8> {
     let judged = &ensemble.nominal;
+    let steps = ensemble.measured.first().map(|own| beside_bound(rig, own)).unwrap_or_default();
+    let remarks = [steps, remarks(&ensemble.measured)].concat();
     let head = json!({
         "notes": words::run(rig, judged),
         "converged": judged.convergence.is_converged(),
         "figures": to_json(&table(&ensemble.measured, TOLERANCE_MM)),
-        "remarks": remarks(&ensemble.measured),
+        "remarks": remarks,
     });
     judged
         .band

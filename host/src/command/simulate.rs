@@ -9,6 +9,7 @@ use pneudrive_evaluate::recorded_test::{RigOfRecord, taken_from};
 use pneudrive_evaluate::report;
 use pneudrive_evaluate::transient::Transient;
 use pneudrive_optimise::ensemble::{Ensemble, run_ensemble};
+use pneudrive_optimise::positioning::beside_bound;
 use pneudrive_records::judged::Judged;
 use pneudrive_records::move_points::Through;
 use pneudrive_records::own_file::make_writable;
@@ -52,7 +53,8 @@ pub(super) fn execute(arguments: &Simulate) -> Result<()> {
     let mut notes = words::run(&rig, &judged);
     notes.extend(origin);
     let table = table(&moves, TOLERANCE_MM);
-    let remarks = remarks(&moves);
+    let steps = moves.first().map(|own| beside_bound(&rig, own)).unwrap_or_default();
+    let remarks = [steps, remarks(&moves)].concat();
     notes.extend(remarks.iter().cloned());
     let page = (!arguments.no_report).then(|| page(&rig, &judged, notes.clone(), table.clone()));
     let pieces = page.as_ref().map(|page| {

@@ -63,7 +63,17 @@ pub struct Stop {
 /// # Errors
 /// When the step does not fit into the stroke, cannot be simulated, or is too much for the drive.
 pub fn bound(rig: &Rig, step_mm: f64, extends: bool) -> Result<Option<Bound>> {
-    let steps = Steps::of(rig, step_mm, Place { along: 0.5, extends })?;
+    bound_of(rig, Steps::of(rig, step_mm, Place { along: 0.5, extends })?)
+}
+
+/// The same for a step from one count to another.
+///
+/// # Errors
+/// When it cannot be simulated, or is too much for the drive.
+pub fn bound_of(rig: &Rig, steps: Steps) -> Result<Option<Bound>> {
+    if steps.from == steps.to {
+        return Ok(None);
+    }
     let nominal = open_loop(rig)?;
     let way_m = 1e-3 * mm_per_count(rig) * (steps.to - steps.from).unsigned_abs() as f64;
     let period_s = rig.get(&keys::controller::PERIOD_S);

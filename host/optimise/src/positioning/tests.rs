@@ -1,5 +1,6 @@
 //! What is measured of a law, held against motions whose figures are known.
 
+mod beside;
 mod draws;
 mod judged;
 
