@@ -402,6 +402,19 @@ mod tests {
     }
 
     #[test]
+    fn a_model_of_the_plant_is_unknown_to_the_controller() {
+        for (name, _) in BUILTIN {
+            let file = Rig::builtin(name).expect("a built-in rig");
+            for plan in plans(&source(name), &[]).expect("variants") {
+                let is_own = plan.component == "controller";
+                let knows = plan.rig.parameters() == file.parameters();
+                assert!(knows || is_own, "{name}, {}: {}", plan.component, plan.model);
+                assert_eq!(plan.rig.knows_its_drive(), file.knows_its_drive(), "{name}: {}", plan.model);
+            }
+        }
+    }
+
+    #[test]
     fn a_time_is_that_of_the_shortest_runs_with_the_range_of_the_pairs() {
         assert_eq!(ratios(&[[2.0, 1.0], [1.0, 3.0], [8.0, 16.0]]), [1.0, 0.5, 3.0]);
     }
