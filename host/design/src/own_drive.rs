@@ -38,11 +38,17 @@ pub fn rig_file(name: &str, answers: &Answers) -> Result<String, Vec<AnswerProbl
     match law_of(answers).map_err(|problem| vec![problem])? {
         Some(law) => with_law(name, answers, law, "given"),
         None => with_law(name, answers, Law::Cascade, "a model of the drive, by the figures of this file")
-            .or_else(|_| {
-                let why = "the cascade has no model of this drive; `pneudrive tune` finds the gains";
-                with_law(name, answers, Law::GainProfile, why)
-            }),
+            .or_else(|wrong| with_law(name, answers, Law::GainProfile, &by_gains(&wrong))),
     }
+}
+
+/// Why a drive got gains, by what is wrong with it for the law that positions.
+fn by_gains(wrong: &[AnswerProblem]) -> String {
+    let refusal = wrong.iter().find(|problem| problem.question == LAW);
+    // Its words begin with the answer that nobody gave.
+    let needs = refusal.and_then(|problem| problem.message.split_once(keys::controller::LAW.path));
+    let why = needs.map_or("the cascade has no model of this drive", |(_, words)| words.trim());
+    format!("{why}; `pneudrive tune` finds the gains")
 }
 
 /// The control law that was asked for.

@@ -88,6 +88,23 @@ fn a_law_without_gains_to_begin_with_is_refused_by_its_answer() {
 }
 
 #[test]
+fn a_file_says_why_its_drive_has_gains_instead_of_a_model() {
+    let tubes = [("tube", "pu-6x4"), ("tube-length", "0.5 m")];
+    let line = |more: &[(&'static str, &'static str)]| {
+        let text = rig_file("own", &Answers::of(&with(more))).expect("a rig");
+        text.lines().find(|line| line.starts_with("law = ")).expect("a law").to_owned()
+    };
+    let why = line(&tubes);
+    assert!(
+        why.starts_with("law = \"gain-profile\"") && why.contains("# \"cascade\" needs tubing.model"),
+        "{why}"
+    );
+    assert!(why.ends_with("the valve at the cylinder; `pneudrive tune` finds the gains"), "{why}");
+    let chosen = [&tubes[..], &[("law", "gain-profile")]].concat();
+    assert!(line(&chosen).ends_with("# given"), "it was asked for");
+}
+
+#[test]
 fn the_built_in_press_is_what_four_answers_make() {
     let text = rig_file("press", &Answers::of(OWN)).expect("a rig");
     assert_eq!(builtin("press"), Some(&*text), "sim/rigs/press.toml is that file");
