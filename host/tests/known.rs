@@ -1,8 +1,10 @@
-//! What the law that knows its drive shows, in traces and of records.
+//! What the law that knows its drive shows: in traces, of records, and of a drive at a port.
 
 use std::fs;
 
-use crate::program::{folder, ok, transcript, virtual_rig};
+use pneudrive_sim::Rig;
+
+use crate::program::{folder, ok, transcript, virtual_rig, virtual_rig_of};
 
 /// A column of a table by its name.
 fn column(table: &str, name: &str) -> Vec<f64> {
@@ -45,4 +47,23 @@ fn a_record_of_another_drive_shows_nothing_of_this_one() {
     let gains = replay("--rig servo-b");
     assert!(gains.contains("servo-b has no law that knows its drive"), "{gains}");
     assert!(!folder.path().join("known.csv").exists());
+}
+
+#[test]
+fn a_drive_that_friction_holds_off_its_target_says_that_it_rests_outside() {
+    let folder = folder();
+    let settings =
+        ["controller.tolerance_counts=2", "test.moves=[[0.0, 6250], [0.05, 6265]]", "test.duration_s=1.2"];
+    let known = Rig::builtin("press")
+        .expect("a built-in rig")
+        .with_settings(&settings.map(str::to_owned))
+        .expect("valid");
+    let number = |key: &str| known.number_at(key).expect("a number");
+    let of_friction = ["static_extend_n", "coulomb_extend_n", "static_retract_n", "coulomb_retract_n"];
+    let stiff = of_friction.map(|key| format!("load.{key}={}", 3.0 * number(&format!("load.{key}"))));
+    let rig = virtual_rig_of(known.with_plant(&stiff).expect("valid"));
+    let set = settings.map(|setting| format!(" --set {}", setting.replace(' ', ""))).concat();
+    ok(folder.path(), &format!("run press{set} --config --port {}", rig.port()));
+    let status = ok(folder.path(), &format!("device --port {} status", rig.port()));
+    assert!(status.contains("moves       number 2 rests outside its tolerance, "), "{status}");
 }

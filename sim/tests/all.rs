@@ -26,6 +26,7 @@ mod mechanics;
 mod physics;
 mod ranges;
 mod reference;
+mod rests_outside;
 mod runner;
 mod shut_ports;
 mod supervision;

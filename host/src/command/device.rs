@@ -230,6 +230,7 @@ fn moves(motion: &Motion) -> String {
         0 => return "none has begun".to_owned(),
         1 => "on its way",
         2 => "arrived",
+        4 => "rests outside its tolerance",
         _ => "not reached",
     };
     let learned = match motion.learned_null_offset {

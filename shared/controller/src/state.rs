@@ -124,6 +124,15 @@ impl State {
         &self.law
     }
 
+    /// Whether the axis rests outside the tolerance of its moves, where it is not in position. Only the law that knows its drive
+    /// says that it rests.
+    #[must_use]
+    pub fn rests_outside(&self, config: &Config) -> bool {
+        let holds = matches!(self.supervisor.mode(), Mode::Running | Mode::Done);
+        let stands = matches!(&self.law, Running::Cascade(law) if law.stands());
+        holds && stands && self.observation.error.unsigned_abs() > config.motion.tolerance
+    }
+
     /// Runs from k = 0 at the next sample, or says why not.
     ///
     /// # Errors

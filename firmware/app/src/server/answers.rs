@@ -50,6 +50,7 @@ pub(super) fn motion(control: &Control<impl BorrowMut<Recorder>>) -> Motion {
     let (state, moves) = (control.state(), control.state().sequencer());
     Motion {
         arrival: match moves.arrival() {
+            _ if state.rests_outside(control.configuration().config()) => 4,
             Arrival::Idle => 0,
             Arrival::Moving => 1,
             Arrival::Arrived => 2,

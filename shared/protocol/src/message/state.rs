@@ -81,7 +81,7 @@ pub struct Spread {
 /// How the moves of the run stand.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Motion {
-    /// The move in force: 0 none, 1 on its way, 2 arrived, 3 not reached.
+    /// The move in force: 0 none, 1 on its way, 2 arrived, 3 not reached; 4 the axis rests outside its tolerance, whatever it was.
     pub arrival: u8,
     /// Moves that have begun.
     pub begun: u16,

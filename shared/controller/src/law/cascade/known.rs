@@ -41,6 +41,12 @@ pub struct Known {
 }
 
 impl Cascade {
+    /// Whether the load rests and stands: it has not moved a count in 10 ms.
+    #[must_use]
+    pub fn stands(&self) -> bool {
+        matches!(self.phase, Phase::Rest { .. }) && self.motion.stuck
+    }
+
     /// What it knows at the last sample; None before the first one.
     #[must_use]
     pub fn known(&self) -> Option<Known> {
