@@ -161,7 +161,7 @@ fn fixed(rig: &Rig, fix: Option<&Bound<'_, PyAny>>) -> PyResult<Vec<String>> {
 }
 
 /// Looks for gains with which a step settles over a spread of load, friction and supply. Sizes have the names of the
-/// command's options: step_mm, settled_mm, overshoot_percent, time_s; load, friction, supply as fractions; lowest_mm,
+/// command's options: step_mm, settled_mm, overshoot_percent, time_s; load, friction, supply, valve as fractions; lowest_mm,
 /// highest_mm; draws, population, generations (0: judge the gains of the rig), seed.
 #[pyfunction]
 #[pyo3(signature = (rig, /, *, fix=None, threads=None, progress=None, **numbers))]
