@@ -1,5 +1,7 @@
 //! The law "cascade": what it is for. Its integers are compared with its equations in `shared/controller/tests/cascade.rs`.
 
+mod doubt;
+
 use pneudrive_controller::law::Running;
 use pneudrive_controller::{Config, Fault, Mode, Move, Sequence, State, output, sample};
 use pneudrive_sim::{Accuracy, Plant, Rig};
@@ -49,6 +51,26 @@ fn settings(texts: &[&str]) -> Vec<String> {
     texts.iter().map(ToString::to_string).collect()
 }
 
+/// The settings of a plant with these factors of mass, friction and supply.
+fn unlike(of: &[&str], [mass, friction, supply]: [f64; 3]) -> Vec<String> {
+    let known = rig(&settings(of));
+    let mut real = settings(of);
+    // It only moves, whatever the law's model can be.
+    real.push("controller.law=\"gain-profile\"".to_owned());
+    for (key, by) in [
+        ("load.mass_kg", mass),
+        ("load.static_extend_n", friction),
+        ("load.static_retract_n", friction),
+        ("load.coulomb_extend_n", friction),
+        ("load.coulomb_retract_n", friction),
+        ("supply.pressure_pa", supply),
+    ] {
+        real.retain(|setting| !setting.starts_with(key));
+        real.push(format!("{key}={}", by * known.number_at(key).expect("a number")));
+    }
+    real
+}
+
 /// A drive whose plant is not quite what its controller takes it for.
 struct Drive {
     plant: Plant,
@@ -73,25 +95,12 @@ impl Drive {
     }
 
     /// The same on a plant with other settings besides.
-    fn of_another(of: &[&str], [mass, friction, supply]: [f64; 3], also: &[&str], start: f64) -> Drive {
+    fn of_another(of: &[&str], factors: [f64; 3], also: &[&str], start: f64) -> Drive {
         let known = rig(&settings(of));
         let number = |key: &str| known.number_at(key).expect("a number");
         let count = number("encoder.mm_per_count") * 1e-3;
         let start = (start / count).floor() as i32;
-        let mut real = settings(of);
-        // It only moves, whatever the law's model can be.
-        real.push("controller.law=\"gain-profile\"".to_owned());
-        for (key, by) in [
-            ("load.mass_kg", mass),
-            ("load.static_extend_n", friction),
-            ("load.static_retract_n", friction),
-            ("load.coulomb_extend_n", friction),
-            ("load.coulomb_retract_n", friction),
-            ("supply.pressure_pa", supply),
-        ] {
-            real.retain(|setting| !setting.starts_with(key));
-            real.push(format!("{key}={}", by * number(key)));
-        }
+        let mut real = unlike(of, factors);
         real.extend(settings(also));
         real.push(format!("test.position_m={}", (f64::from(start) + 0.5) * count));
         real.push(format!("test.moves=[[0.02, {start}]]"));

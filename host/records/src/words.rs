@@ -118,6 +118,8 @@ pub fn fault_name(fault: Fault) -> &'static str {
         Fault::LateOutput => "late-output",
         Fault::ClockFailed => "clock-failed",
         Fault::WatchdogTried => "watchdog-tried",
+        Fault::ModelAtBound => "model-at-bound",
+        Fault::PressureDoubtful => "pressure-doubtful",
     }
 }
 
@@ -150,6 +152,12 @@ pub fn fault_meaning(code: u8) -> &'static str {
         Some(Fault::ClockFailed) => "the clock of the board's processor failed, and it has reset itself",
         Some(Fault::WatchdogTried) => {
             "the watchdog is tried: it is not fed, and must reset the board; arming the drive ends that"
+        }
+        Some(Fault::ModelAtBound) => {
+            "what the law has learned of the drive is at its bound: mass, standing force or valve are not what the rig file says"
+        }
+        Some(Fault::PressureDoubtful) => {
+            "the pressures contradict valve and motion: check the pressure sensors, their range, and whether they are swapped"
         }
         None => "a fault unknown to this version",
     }

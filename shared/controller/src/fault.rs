@@ -36,11 +36,15 @@ pub enum Fault {
     ClockFailed = 15,
     /// A trial of the watchdog: the board does not feed it until it has reset the board.
     WatchdogTried = 16,
+    /// What a law has learned of its drive stays at a bound: its model is not that of the drive.
+    ModelAtBound = 17,
+    /// The pressures contradict valve and motion: a sensor that fails within its range.
+    PressureDoubtful = 18,
 }
 
 impl Fault {
     /// Every fault, in the order of the codes.
-    pub const ALL: [Fault; 16] = [
+    pub const ALL: [Fault; 18] = [
         Fault::Stop,
         Fault::PositionOutside,
         Fault::EncoderStep,
@@ -57,6 +61,8 @@ impl Fault {
         Fault::LateOutput,
         Fault::ClockFailed,
         Fault::WatchdogTried,
+        Fault::ModelAtBound,
+        Fault::PressureDoubtful,
     ];
 
     /// The stored and sent code.

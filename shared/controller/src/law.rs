@@ -20,6 +20,7 @@ use core::num::NonZeroU32;
 use crate::choice::laws;
 pub use crate::choice::{Law, Loop};
 use crate::estimator::Motion;
+use crate::fault::Fault;
 use crate::parameters::{Parameters, id};
 use crate::profile::Point;
 
@@ -105,6 +106,11 @@ pub(crate) trait ControlLaw: Default {
         u32::MAX
     }
 
+    /// Why it ends the run, if it has seen at a sample that its drive is not what it takes it for.
+    fn fault(&self) -> Option<Fault> {
+        None
+    }
+
     /// As it begins a run: a drive at rest.
     fn begin(_config: &LawConfig, _settings: &Self::Settings) -> Self {
         Self::default()
@@ -161,6 +167,14 @@ macro_rules! control_laws {
             pub(crate) fn begin(config: &LawConfig) -> Running {
                 match &config.settings {
                     $(Settings::$law(settings) => Running::$law($file::$law::begin(config, settings)),)+
+                }
+            }
+
+            /// Why it ends the run, if it does.
+            pub(crate) fn fault(&self) -> Option<Fault> {
+                match self {
+                    Running::None => None,
+                    $(Running::$law(law) => law.fault(),)+
                 }
             }
 

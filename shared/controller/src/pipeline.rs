@@ -140,7 +140,11 @@ impl State {
         let pressures = [pressure_1, pressure_2];
         let measured = Measured { motion: &motion, pressures, learned: self.null_offset.counts() };
         let reference = Reference { point: self.sequencer.point(), ..self.reference_of_law() };
-        self.law.demand(&config.law, measured, reference)
+        let demand = self.law.demand(&config.law, measured, reference);
+        if let Some(fault) = self.law.fault() {
+            self.supervisor.trip(fault);
+        }
+        demand
     }
 
     /// Without moves the valve is at its null, but for a homing run.

@@ -104,7 +104,7 @@ fn requests_that_may_not_be_are_refused_by_name() {
 #[test]
 fn codes_of_faults_and_refusals_are_fixed_and_unique() {
     let faults = Fault::ALL.map(Fault::code);
-    assert_eq!(faults, [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16]);
+    assert_eq!(faults, [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18]);
     for fault in Fault::ALL {
         assert_eq!(Fault::from_code(fault.code()), Some(fault));
     }

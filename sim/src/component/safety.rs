@@ -3,6 +3,8 @@
 
 use pneudrive_controller::parameter_table;
 
+use crate::component::controller::Law;
+use crate::component::controller::keys::LAW;
 use crate::key::keys;
 
 /// Declares what is not a parameter by itself, behind the lines of the controller's table.

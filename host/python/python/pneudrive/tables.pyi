@@ -624,6 +624,12 @@ class Safety(Table):
     def no_motion_s(self) -> float:
         """A closed loop that opens half of the valve or more and moves nothing for so long trips; with less of the valve it takes longer; 0: off, s."""
     @property
+    def model_bound_s(self) -> float:
+        """Mass, standing force or lag of the valve at the bound of what the law can learn for so long, in motion, trips: the drive is not what its rig file says. By default 2.7 times the longest of sound drives; 0: off, s."""
+    @property
+    def pressure_doubt_s(self) -> float:
+        """Pressures that contradict the flow of the valve for so long trip, as do one that jumps and one that stands still while the other does not; 0: none of the three does, s."""
+    @property
     def late_output_us(self) -> int:
         """An output that is later than this is not driven and trips the supervisor; less than the time from it to the next sample, by default at most half of it, us."""
     @property

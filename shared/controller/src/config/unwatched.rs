@@ -7,8 +7,10 @@
 //! | [`Fault::HostSilent`] | `host_silence_ms` is 0 or more than 10 s |
 //! | [`Fault::SensorRange`] | pressures are measured, and neither end of their converter is watched |
 //! | [`Fault::NoMotion`] | `no_motion_ms` is 0 or more than 60 s, or `no_motion_counts` reach from one end position to the other |
+//! | [`Fault::ModelAtBound`], [`Fault::PressureDoubtful`] | the law is "cascade" in a closed loop, and `model_bound_ms` or `pressure_doubt_ms` is 0 |
 
 use super::NONE_IS_HIGH;
+use crate::choice::Law;
 use crate::fault::Fault;
 use crate::parameters::{Parameters, id};
 
@@ -27,6 +29,7 @@ pub fn unwatched(parameters: &Parameters) -> impl Iterator<Item = Fault> {
     let pm = get(id::ENCODER_PM_PER_COUNT);
     let is_far = |beyond: i64| beyond > travel && beyond > METRE_PM / pm.max(1);
     let sensors_off = get(id::SENSOR_LOW_RAW) < 0 && get(id::SENSOR_HIGH_RAW) == i64::from(NONE_IS_HIGH);
+    let is_cascade = Law::of(parameters.scalar(id::LAW)) == Law::Cascade && get(id::OPEN_LOOP) == 0;
     [
         (
             Fault::PositionOutside,
@@ -39,6 +42,8 @@ pub fn unwatched(parameters: &Parameters) -> impl Iterator<Item = Fault> {
             Fault::NoMotion,
             !within(get(id::NO_MOTION_MS), LONGEST_STANDSTILL_MS) || get(id::NO_MOTION_COUNTS) >= travel,
         ),
+        (Fault::ModelAtBound, is_cascade && get(id::MODEL_BOUND_MS) == 0),
+        (Fault::PressureDoubtful, is_cascade && get(id::PRESSURE_DOUBT_MS) == 0),
     ]
     .into_iter()
     .filter_map(|(fault, is_off)| is_off.then_some(fault))
@@ -63,7 +68,7 @@ mod tests {
     #[test]
     fn each_check_is_off_from_where_the_table_says() {
         type Changes = &'static [(u16, i32)];
-        let cases: [(Fault, Changes, Changes); 9] = [
+        let cases: [(Fault, Changes, Changes); 11] = [
             (
                 Fault::PositionOutside,
                 &[(id::POSITION_MIN_COUNTS, -82_987)],
@@ -85,6 +90,16 @@ mod tests {
             (Fault::NoMotion, &[(id::NO_MOTION_MS, 60_000)], &[(id::NO_MOTION_MS, 60_001)]),
             (Fault::NoMotion, &[(id::NO_MOTION_MS, 1)], &[(id::NO_MOTION_MS, 0)]),
             (Fault::NoMotion, &[(id::NO_MOTION_COUNTS, 24_895)], &[(id::NO_MOTION_COUNTS, 24_896)]),
+            (
+                Fault::ModelAtBound,
+                &[(id::LAW, Law::Cascade as i32)],
+                &[(id::LAW, Law::Cascade as i32), (id::MODEL_BOUND_MS, 0)],
+            ),
+            (
+                Fault::PressureDoubtful,
+                &[(id::LAW, Law::GainProfile as i32), (id::PRESSURE_DOUBT_MS, 0)],
+                &[(id::LAW, Law::Cascade as i32), (id::PRESSURE_DOUBT_MS, 0)],
+            ),
         ];
         for (fault, on, off) in cases {
             assert_eq!(unwatched(&with(on)).next(), None, "{on:?}");

@@ -7,6 +7,7 @@
 //! | module | holds |
 //! |---|---|
 //! | [`air`] | the force of the pressures, and what motion and flow make of it |
+//! | [`doubt`] | what ends a run: something learned at its bound, a pressure that cannot be |
 //! | [`motion`] | place, speed, and the force that stands against them |
 //! | [`flow`] | what the model of the flow misses |
 //! | [`load`] | mass, friction and standing force, learned while it moves |
@@ -26,6 +27,7 @@
 //! it. A load that stands at the end of its way, or creeps within 40 um of its target, rests.
 
 pub mod air;
+pub mod doubt;
 pub mod flow;
 pub mod force;
 pub mod known;
@@ -39,10 +41,12 @@ pub mod valve;
 pub mod way;
 
 use super::{ControlLaw, LawConfig, Measured, Reference};
+use crate::fault::Fault;
 use crate::fixed::quotient;
 use crate::parameters::{Parameters, id};
 use crate::profile::Point;
 use air::Air;
+use doubt::Doubt;
 use flow::Flow;
 use lag::Lag;
 use load::Load;
@@ -66,6 +70,7 @@ pub struct Settings {
     force: force::Constants,
     rest: rest::Constants,
     valve: valve::Constants,
+    doubt: doubt::Constants,
     /// Speed and acceleration of its own ways, Q16; the part of the flow for their jerk, Q16; their shortest time, samples.
     way: [i32; 3],
     shortest: u32,
@@ -112,6 +117,7 @@ pub struct Cascade {
     for_load: bool,
     air: Air,
     valve: Valve,
+    doubt: Doubt,
 }
 
 impl Default for Cascade {
@@ -135,6 +141,7 @@ impl Default for Cascade {
             for_load: false,
             air: Air::default(),
             valve: Valve::default(),
+            doubt: Doubt::default(),
         }
     }
 }
@@ -155,6 +162,7 @@ impl Settings {
             lag: lag::Constants::of(parameters, load.certainty),
             force: force::Constants::of(parameters, &air),
             valve: valve::Constants::of(parameters),
+            doubt: doubt::Constants::of(parameters, period_us, count_pm),
             rest: rest::Constants::of(parameters, period_us, count_pm, speed),
             way: [get(id::CASCADE_WAY_SPEED), get(id::CASCADE_WAY_ACCELERATION), get(id::CASCADE_WAY_FLOW)],
             shortest: ((2 * dead_time) >> 16).saturating_add(1).max(6),
@@ -204,6 +212,7 @@ impl Cascade {
         self.motion = Motion::new(count, force, &self.load, settings.load.stiction);
         self.flow = Flow::new(force);
         self.lag = Lag::new(&settings.lag);
+        self.doubt = Doubt::new(force);
         (self.begun, self.target) = (true, count);
         self.rest.begin(count);
         // What holds it is not known before it has moved.
@@ -211,13 +220,30 @@ impl Cascade {
     }
 
     /// Both observers, and the air for what follows; returns the flow observer's error.
-    fn observe(&mut self, settings: &Settings, count: i32, pressures: [i32; 2], force: i32) -> i32 {
+    fn observe(
+        &mut self,
+        settings: &Settings,
+        count: i32,
+        raw: [i16; 2],
+        pressures: [i32; 2],
+        force: i32,
+    ) -> i32 {
         self.for_load = !self.for_load;
         let step = self.motion.observe(&settings.motion, &settings.load, &self.load, count, force);
         let rate = settings.valve.rate(&self.air, self.valve.mean);
         let spring = product(self.air.stiffness, self.motion.v, 22);
         let missed = self.flow.observe(&settings.flow, force, rate.saturating_sub(spring));
         self.lag.take(&settings.lag, rate);
+        let seen = doubt::Seen { raw, pressures, force, count, step, air: &self.air };
+        self.doubt.take(&settings.doubt, &seen, self.for_load);
+        if !self.for_load {
+            self.doubt.miss(&settings.doubt, self.flow.unknown(), &self.air);
+            if !self.motion.stuck {
+                let is_at_bound =
+                    self.load.is_at_bound() || self.lag.is_at_bound() || self.motion.is_at_bound();
+                self.doubt.stray(&settings.doubt, is_at_bound);
+            }
+        }
         self.air = settings.air.at((self.motion.x >> 16) as i32, pressures);
         if self.motion.stuck {
             self.load.forget();
@@ -374,6 +400,10 @@ impl ControlLaw for Cascade {
         settings.rest.away
     }
 
+    fn fault(&self) -> Option<Fault> {
+        self.doubt.fault
+    }
+
     #[inline(never)]
     fn demand(
         &mut self,
@@ -388,7 +418,7 @@ impl ControlLaw for Cascade {
         if !self.begun {
             self.begin_at(settings, count, force);
         }
-        let missed = self.observe(settings, count, pressures, force);
+        let missed = self.observe(settings, count, measured.pressures, pressures, force);
         self.plan(settings, count, &reference, force);
         if !self.motion.stuck && !self.for_load {
             self.lag.learn(&settings.lag, missed);

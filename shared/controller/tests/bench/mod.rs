@@ -22,7 +22,7 @@ pub fn running(config: &Config, sequence: &Sequence) -> State {
 }
 
 /// Limits that nothing reaches.
-pub const WIDE: [(u16, i32); 7] = [
+pub const WIDE: [(u16, i32); 9] = [
     (id::POSITION_MIN_COUNTS, -i32::MAX),
     (id::POSITION_MAX_COUNTS, i32::MAX),
     (id::ENCODER_STEP_COUNTS, i32::MAX),
@@ -30,6 +30,8 @@ pub const WIDE: [(u16, i32); 7] = [
     (id::END_MAX_COUNTS, i32::MAX),
     (id::SENSOR_LOW_RAW, -1),
     (id::NO_MOTION_MS, 0),
+    (id::MODEL_BOUND_MS, 0),
+    (id::PRESSURE_DOUBT_MS, 0),
 ];
 
 /// Parameters with limits that nothing reaches.

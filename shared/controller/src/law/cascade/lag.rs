@@ -128,6 +128,11 @@ impl Lag {
         lag
     }
 
+    /// Whether the pace is at a bound.
+    pub(super) fn is_at_bound(&self) -> bool {
+        PACES.contains(&self.pace)
+    }
+
     /// A sample with this rate of the model's flow, Q24.
     pub(super) fn take(&mut self, constants: &Constants, rate: i32) {
         let change = rate.saturating_sub(core::mem::replace(&mut self.last, rate));

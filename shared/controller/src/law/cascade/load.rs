@@ -154,6 +154,12 @@ impl Load {
         load
     }
 
+    /// Whether mass or standing force is at a bound.
+    pub(super) fn is_at_bound(&self) -> bool {
+        let ([of_mass, _, of_force, _], [mass, _, force, _]) = (&BOUNDS, &self.squares.unknown);
+        of_mass.contains(mass) || of_force.contains(force)
+    }
+
     /// Friction in motion with a sign, Q24.
     #[inline]
     pub fn slide(&self, constants: &Constants, sign: i32) -> i32 {

@@ -158,6 +158,11 @@ impl Motion {
         self.d = within(self.d.saturating_sub(wrong), ONE);
     }
 
+    /// Whether the force that stands against it is at a bound.
+    pub(super) fn is_at_bound(&self) -> bool {
+        self.d.saturating_abs() >= ONE
+    }
+
     /// The acceleration that it has, counts a sample squared, Q16.
     pub(super) fn acceleration(&self, of_load: &load::Constants, load: &Load, force: i32) -> i32 {
         if self.stuck {

@@ -1,0 +1,187 @@
+//! Doubt: when what was learned, or what the pressures say, is not of this drive.
+//!
+//! ```text
+//! bound      M, d of the load, d of the motion or the pace stays at a bound             longer than a time, in motion
+//! flow       |g| > 0.4 max(E, R) + 0.2 counts of a pressure                             longer than a time
+//! jump       |F - F_1| > 1.25 (max(E, R) + K (|step| + 1)) + 1/32, and the next sample is not back at F_1
+//! frozen     a raw pressure stays within a count while F changes by 0.08 and the load moves by 5 mm
+//! ```
+//!
+//! F_1 is the force of the sample before. A fully open valve and the piston change the force by E or R and K v. So a longer step of it
+//! is one of a sensor, and a rate that the flow observer misses by two fifths of that is not one of the air: the flow of a
+//! valve differs from its data sheet by less. What the observer misses lags, and the small chamber of a piston at its end fills within
+//! samples: so the largest of E and R falls by no more than 1/16 in two samples there. A single reading that is wrong is none of them.
+//! A chamber that is full, or empty, keeps its pressure while the other changes: above 0.92 and within 0.05 of the exhaust nothing
+//! counts as frozen. A long one sleeps through the first millimetres of a piston that leaves its stop.
+//!
+//! Friction and B are no evidence: they are guessed, and a sound drive may have less or more of them than their bounds allow.
+//!
+//! Forces are Q24, K is Q30, steps are counts.
+
+use super::air::{Air, ONE};
+use super::number::{product, samples};
+use crate::fault::Fault;
+use crate::fixed::quotient;
+use crate::parameters::{Parameters, id};
+
+/// 1/32, Q24: a step of the force that needs no cause.
+const STEP: i32 = ONE / 32;
+/// 0.08, Q24: the change of the force that no chamber sleeps through.
+const CHANGE: i32 = ONE / 25 * 2;
+/// A chamber within 0.05 of the exhaust is empty, one above 0.92 is full, Q24.
+const EMPTY: i32 = ONE / 20;
+const FULL: i32 = ONE / 25 * 23;
+
+/// How long each doubt may last, and how far a load moves under a frozen pressure.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Constants {
+    /// Samples at a bound and beyond the flow that do not trip yet; `u32::MAX`: none do.
+    bound: u32,
+    flow: u32,
+    /// 5 mm, counts.
+    moved: u32,
+    /// Half a count of a pressure, Q24: its noise in a rate.
+    noise: i32,
+    /// Pressure of an empty chamber, Q24.
+    empty: i32,
+}
+
+/// What it sees at a sample.
+pub(super) struct Seen<'a> {
+    pub raw: [i16; 2],
+    /// P and F, Q24.
+    pub pressures: [i32; 2],
+    pub force: i32,
+    /// Position and its step, counts.
+    pub count: i32,
+    pub step: i32,
+    /// The air of the sample before.
+    pub air: &'a Air,
+}
+
+/// The last reading at which a pressure changed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Reading {
+    raw: i16,
+    force: i32,
+    count: i32,
+}
+
+/// What it remembers.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Doubt {
+    /// F of the sample before, and that before the jump at it.
+    force: i32,
+    from: Option<i32>,
+    last: [Reading; 2],
+    /// The rate of the open valve, no less than 15/16 of what it was two samples before.
+    reach: i32,
+    /// Samples on end with something at a bound, and beyond the flow.
+    at_bound: u32,
+    beyond: u32,
+    /// The first that ended the run.
+    pub(super) fault: Option<Fault>,
+}
+
+impl Reading {
+    /// Whether a pressure is still that of this reading, although force and place are not. Otherwise it is the new one.
+    #[inline(always)]
+    fn stays(&mut self, constants: &Constants, seen: &Seen, raw: i16, pressure: i32) -> bool {
+        if i32::from(raw).abs_diff(self.raw.into()) > 1 {
+            *self = Reading { raw, force: seen.force, count: seen.count };
+            return false;
+        }
+        seen.force.abs_diff(self.force) > CHANGE as u32
+            && seen.count.abs_diff(self.count) > constants.moved
+            && constants.empty <= pressure
+            && pressure < FULL
+    }
+}
+
+/// The samples of a time in which nothing trips yet; a time below a period is one sample, and 0 is off.
+fn most(ms: i32, period_us: u32) -> u32 {
+    let whole = samples(ms.unsigned_abs().saturating_mul(1000), period_us).max(1);
+    if ms == 0 { u32::MAX } else { whole - 1 }
+}
+
+impl Constants {
+    pub(super) fn of(parameters: &Parameters, period_us: u32, count_pm: u64) -> Constants {
+        let get = |id| parameters.scalar(id);
+        Constants {
+            bound: most(get(id::MODEL_BOUND_MS), period_us),
+            flow: most(get(id::PRESSURE_DOUBT_MS), period_us),
+            moved: quotient(5_000_000_000, count_pm).max(1) as u32,
+            noise: get(id::CASCADE_PRESSURE_GAIN) >> 7,
+            empty: get(id::CASCADE_EXHAUST_PRESSURE).saturating_add(EMPTY),
+        }
+    }
+
+    fn looks_at_pressures(&self) -> bool {
+        self.flow != u32::MAX
+    }
+}
+
+impl Doubt {
+    /// Of a run that begins with this force.
+    pub(super) fn new(force: i32) -> Doubt {
+        Doubt { force, ..Doubt::default() }
+    }
+
+    /// A sample, of which every second one looks at the single pressures.
+    #[inline(always)]
+    pub(super) fn take(&mut self, constants: &Constants, seen: &Seen, each: bool) {
+        let last = core::mem::replace(&mut self.force, seen.force);
+        let change = seen.force.saturating_sub(last).saturating_abs();
+        let reach = seen.air.extend.max(seen.air.retract);
+        let jumps = self.from.is_some() || change > reach.saturating_add(STEP);
+        let doubts =
+            jumps && self.jumped(seen, last, change, reach) || each && self.is_frozen(constants, seen);
+        if doubts && constants.looks_at_pressures() {
+            self.fault = Some(Fault::PressureDoubtful);
+        }
+    }
+
+    /// Whether the force is still where it jumped to at the sample before.
+    #[cold]
+    #[inline(never)]
+    fn jumped(&mut self, seen: &Seen, last: i32, change: i32, reach: i32) -> bool {
+        if let Some(from) = self.from.take() {
+            return seen.force.abs_diff(from) > change.unsigned_abs();
+        }
+        let moved = seen.step.saturating_abs().saturating_add(1);
+        let reach = reach.saturating_add(product(seen.air.stiffness, moved, 6));
+        if change.saturating_sub(STEP) > reach.saturating_add(reach >> 2) {
+            self.from = Some(last);
+        }
+        false
+    }
+
+    #[inline(always)]
+    fn is_frozen(&mut self, constants: &Constants, seen: &Seen) -> bool {
+        let ([first, second], [one, two]) = (&mut self.last, seen.pressures);
+        first.stays(constants, seen, seen.raw[0], one) || second.stays(constants, seen, seen.raw[1], two)
+    }
+
+    /// A sample with this rate that the flow observer misses, of every second one.
+    #[inline(always)]
+    pub(super) fn miss(&mut self, constants: &Constants, unknown: i32, air: &Air) {
+        let missed = unknown.saturating_abs();
+        let reach = air.extend.max(air.retract).saturating_add(constants.noise);
+        self.reach = reach.max(self.reach - (self.reach >> 4));
+        // 2.5 of it.
+        let beyond = missed.saturating_mul(2).saturating_add(missed >> 1) > self.reach;
+        self.beyond = if beyond { self.beyond.saturating_add(2) } else { 0 };
+        if self.beyond > constants.flow {
+            self.fault = Some(Fault::PressureDoubtful);
+        }
+    }
+
+    /// A sample in motion, of every second one: whether something that was learned is at a bound.
+    #[inline(always)]
+    pub(super) fn stray(&mut self, constants: &Constants, is_at_bound: bool) {
+        self.at_bound = if is_at_bound { self.at_bound.saturating_add(2) } else { 0 };
+        if self.at_bound > constants.bound {
+            self.fault = self.fault.or(Some(Fault::ModelAtBound));
+        }
+    }
+}
