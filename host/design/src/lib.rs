@@ -2,6 +2,7 @@
 //!
 //! | module | holds |
 //! |---|---|
+//! | [`breakaway`] | how long the air needs until a load breaks away |
 //! | [`conductance`] | the flow figures of data sheets |
 //! | [`flow_answer`] | a flow with the pressures that it holds for |
 //! | [`flow_map`] | a measured map of a valve, from a table |
@@ -15,6 +16,7 @@
 
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
+pub mod breakaway;
 pub mod conductance;
 pub mod difference;
 pub mod flow_answer;

@@ -16,6 +16,7 @@ use pneudrive_sim::component::controller::Law;
 use pneudrive_sim::key::Choice;
 use pneudrive_sim::{Rig, keys};
 
+use crate::breakaway::Breakaway;
 use crate::question::{AnswerProblem, Answers};
 use crate::rig_file::{Number, RigFile};
 
@@ -84,12 +85,15 @@ fn with_law(name: &str, answers: &Answers, law: Law, why: &str) -> Result<String
     keep(valve::write(&mut file, answers));
     keep(sampling(&mut file, answers));
     file.word(&keys::controller::LAW, law, why);
-    let text = file.to_toml();
-    if wrong.is_empty()
-        && let Err(problems) = Rig::read(name, &text)
-    {
-        wrong = problems.0.iter().map(|problem| behind::refusal(answers, problem)).collect();
+    if wrong.is_empty() {
+        match Rig::read(name, &file.to_toml()) {
+            Ok(rig) => no_motion(&mut file, &rig),
+            Err(problems) => {
+                wrong = problems.0.iter().map(|problem| behind::refusal(answers, problem)).collect();
+            }
+        }
     }
+    let text = file.to_toml();
     // Two parts of the file may need the same answer.
     let mut named = Vec::new();
     wrong.retain(|refusal: &AnswerProblem| {
@@ -133,6 +137,16 @@ fn sampling(file: &mut RigFile, answers: &Answers) -> Result<(), AnswerProblem> 
         &period.map(|s| (0.4 * s * 1e6).round() / 1e6, "two fifths of the period"),
     );
     Ok(())
+}
+
+/// The time of a standing load before it trips, where its default is too short for the pressure that breaks the load away.
+fn no_motion(file: &mut RigFile, rig: &Rig) {
+    let default = rig.get(&keys::safety::NO_MOTION_S);
+    let Some(time) = Breakaway::of(rig).map(|breakaway| breakaway.no_motion_s()) else { return };
+    if time > default {
+        let from = "twice the time of the air until the load breaks away, and 0.25 s; at most 10 s";
+        file.number(&keys::safety::NO_MOTION_S, &Number::computed((1e3 * time).ceil() / 1e3, from));
+    }
 }
 
 #[cfg(test)]

@@ -1,12 +1,14 @@
 //! `pneudrive rig check`.
 
 use anyhow::{Result, anyhow};
+use pneudrive_design::breakaway::Breakaway;
 use pneudrive_design::values;
 use pneudrive_optimise::runnable::{Obstacle, Remedy, obstacle};
 use pneudrive_optimise::sensitivity::{Effect, Sensitivity, sensitivity};
-use pneudrive_sim::Rig;
+use pneudrive_sim::component::controller::Law;
 use pneudrive_sim::rig::Source;
 use pneudrive_sim::rigfile::builtin;
+use pneudrive_sim::{Rig, keys};
 use serde_json::{Value, json};
 
 use crate::command::progress::Progress;
@@ -25,6 +27,7 @@ pub(super) fn execute(file: &str, quick: bool) -> Result<()> {
     if is_to_run {
         try_test(file, &rig)?;
     }
+    stall_remarks(&rig).iter().for_each(|remark| say!("{file}: {remark}"));
     say!("{file}: a valid rig ({})", rig.name());
     json::figures(|| json!({ "rig": rig.name(), "unused": rig.unused() }));
     // The comments of the built-in rigs give the source of each value.
@@ -40,6 +43,30 @@ pub(super) fn execute(file: &str, quick: bool) -> Result<()> {
         rank(&rig)?;
     }
     Ok(())
+}
+
+/// What the stall detector makes of a load that breaks away late, or never.
+fn stall_remarks(rig: &Rig) -> Vec<String> {
+    let Some(found) = Breakaway::of(rig) else { return Vec::new() };
+    let Breakaway { needed, held, asked, .. } = found;
+    if !found.is_possible() {
+        return vec![format!(
+            "its load does not break away: that takes {needed:.0} N, and the supply has {held:.0} N on this piston; it trips with `no-motion`"
+        )];
+    }
+    let mut remarks = Vec::new();
+    if needed > asked && rig.get(&keys::controller::LAW) == Law::Cascade {
+        remarks.push(format!(
+            "its load breaks away at {needed:.0} N, and the law \"cascade\" asks for {asked:.0} N at most: it may trip with `no-motion`"
+        ));
+    }
+    let (set, needs) = (rig.get(&keys::safety::NO_MOTION_S), found.no_motion_s());
+    if set > 0.0 && set < needs && found.time.is_none_or(|time| set < time) {
+        remarks.push(format!(
+            "safety.no_motion_s = {set} is shorter than the air needs until the load breaks away: it may trip with `no-motion`; {needs:.3} leaves it the time"
+        ));
+    }
+    remarks
 }
 
 /// Refuses a rig whose test cannot be simulated.
