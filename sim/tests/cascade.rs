@@ -1,6 +1,7 @@
 //! The law "cascade": what it is for. Its integers are compared with its equations in `shared/controller/tests/cascade.rs`.
 
 mod doubt;
+mod redirected;
 
 use pneudrive_controller::law::Running;
 use pneudrive_controller::{Config, Fault, Mode, Move, Sequence, State, output, sample};

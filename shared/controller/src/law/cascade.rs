@@ -22,7 +22,8 @@
 //! Units are counts of the encoder, samples, the supply pressure, and the force of that on area 1; a number in 2^-16 is Q16. What it
 //! knows of its drive is in its parameters, which `pneudrive-sim` makes of a rig file.
 //!
-//! A way begins from the motion that there is: at a new setpoint, and when the valve has been short of what is asked for 8 ms. A
+//! A way begins from the motion that there is: at a new setpoint, and when the valve has been short of what is asked for 8 ms. A load
+//! above 100 mm/s that would pass its target is stopped first. A
 //! profile is followed as it comes. Where it begins, where it jumps and where the valve has been short, a way of the deviation joins
 //! it. A load that stands at the end of its way, or creeps within 40 um of its target, rests.
 
@@ -77,6 +78,8 @@ pub struct Settings {
     /// 8 ms, samples, and 20 mm/s, Q16: a way is late.
     late: u32,
     under_way: i32,
+    /// 100 mm/s, Q16: a load that is too fast for its target is stopped first.
+    fast: i32,
 }
 
 /// What the load does.
@@ -98,6 +101,8 @@ pub struct Cascade {
     target: i32,
     phase: Phase,
     way: Way,
+    /// Whether it only stops the load.
+    stops: bool,
     /// From the motion that there was to that of a profile, and the point of the profile at the sample before.
     joining: Way,
     led: Point,
@@ -127,6 +132,7 @@ impl Default for Cascade {
             target: 0,
             phase: Phase::Rest { held: 0, centre: 0 },
             way: Way::default(),
+            stops: false,
             joining: Way::default(),
             led: Point::default(),
             reference: Point::default(),
@@ -168,6 +174,7 @@ impl Settings {
             shortest: ((2 * dead_time) >> 16).saturating_add(1).max(6),
             late: samples(8000, period_us),
             under_way: product(speed, 1311, 16),
+            fast: product(speed, 6554, 16),
             air,
             load,
         }
@@ -268,7 +275,7 @@ impl Cascade {
         match self.phase {
             Phase::Profile if self.has_been_led(of_rest, target) => {
                 (self.phase, self.short) = (Phase::Way, 0);
-                self.way = Way::at_rest(motion::middle(target));
+                (self.way, self.stops) = (Way::at_rest(motion::middle(target)), false);
                 self.rest.set_off(&self.motion);
             }
             Phase::Profile => self.set_off(settings, force),
@@ -279,7 +286,9 @@ impl Cascade {
             Phase::Way => {
                 self.way.advance();
                 let over = self.way.over();
-                if over.is_some_and(|over| self.rest.has_come(of_rest, &self.motion, over, error)) {
+                if self.stops && over.is_some() {
+                    self.set_off(settings, force);
+                } else if over.is_some_and(|over| self.rest.has_come(of_rest, &self.motion, over, error)) {
                     self.come_to_rest(settings, count, force);
                 } else if self.short > settings.late && self.motion.v.saturating_abs() > settings.under_way {
                     self.set_off(settings, force);
@@ -347,10 +356,14 @@ impl Cascade {
         let target = motion::middle(self.target);
         let middle = (self.motion.x >> 17).wrapping_add(target >> 17) as i32;
         let limits = settings.limits(middle, self.load.by_mass);
-        self.way = match self.phase {
+        let is_fast = from.v.saturating_abs() > settings.fast;
+        let stop = if is_fast { Way::braking(target, from, &limits) } else { None };
+        self.stops = stop.is_some();
+        self.way = match (stop, self.phase) {
+            (Some(stop), _) => stop,
             // It may have ended in motion.
-            Phase::Profile => Way::slowing(target, from, &limits),
-            Phase::Way | Phase::Rest { .. } => Way::to(target, from, &limits),
+            (None, Phase::Profile) => Way::slowing(target, from, &limits),
+            (None, Phase::Way | Phase::Rest { .. }) => Way::to(target, from, &limits),
         };
         (self.phase, self.short) = (Phase::Way, 0);
         self.rest.set_off(&self.motion);

@@ -4,7 +4,12 @@
 //! x = c0 + c1 s + ... + c7 s^7,   s = k/T               c0 to c2 by the motion it begins with, c4 to c7 by the rest it ends in
 //! T = max(2.19 D/v, sqrt(7.5 D/a), (52.5 D/j)^(1/3), 6, 2 tau)       samples: of rest to rest, its largest speed is v, and so on
 //! T = max(.., 5.05 v0/a, sqrt(26 v0/j))                 of a deviation from a profile, whose speed is v0, to none
+//! T = max(0.94 v0/a, sqrt(2.89 v0/j), 6, 2 tau)         to a stop, D = v0 T/2: twice as hard as from rest to rest
 //! ```
+//!
+//! To a stop it is v0 T (s - 5/2 s^4 + 3 s^5 - s^6) + x0, whose acceleration is -30 v0/T s^2 (1 - s)^2: it never turns. A load that is
+//! too fast to end at its target without passing it is stopped first, and goes to it from there. It stops sooner than the way that it was
+//! on, which was for half of the deceleration, and so never goes beyond the target of that.
 //!
 //! From rest to rest it is D (35 s^4 - 84 s^5 + 70 s^6 - 20 s^7). An acceleration that it begins with counts up to 2 D/T^2; its jerk
 //! does not.
@@ -34,6 +39,19 @@ pub(super) struct Limits {
     pub jerk: i32,
     /// Samples.
     pub shortest: u32,
+}
+
+impl Limits {
+    /// Whether a motion (Q16) goes farther than so many counts until it is stopped. No quotient: the usual way is not one.
+    fn pass(&self, speed: i32, left: u32) -> bool {
+        let (speed, left) = (u64::from(speed.unsigned_abs()), u64::from(left));
+        let [a, j] = [self.acceleration, self.jerk].map(|limit| u64::from(limit.unsigned_abs()));
+        // In Q8 and Q4: 15/16 v^2 > 2 D a, 2.887 v^3 > 4 D^2 j.
+        let (fine, coarse) = (speed >> 8, speed >> 12);
+        (speed * u64::from(self.shortest)) >> 17 > left
+            || (fine * fine * 15) >> 5 > left * a
+            || (coarse * coarse * coarse).saturating_mul(2956) > (left * left).saturating_mul(j)
+    }
 }
 
 /// A way, and how far along it is.
@@ -83,6 +101,23 @@ impl Way {
         let by_flow = root(of(speed * 6656, limits.jerk).min(u32::MAX.into()) as u32);
         let slowed = by_force.max(by_flow).saturating_add(1).min(LONGEST);
         Way::after(target, from, length(distance(target, from.x), limits).max(slowed))
+    }
+
+    /// To the place where a motion can be stopped, if that lies beyond the target.
+    pub(super) fn braking(target: i64, from: Point, limits: &Limits) -> Option<Way> {
+        let left = target.wrapping_sub(from.x);
+        let is_behind = if from.v > 0 { left < 0 } else { left > 0 };
+        (is_behind || limits.pass(from.v, distance(target, from.x))).then(|| Way::stopping(from, limits))
+    }
+
+    fn stopping(from: Point, limits: &Limits) -> Way {
+        let speed = u64::from(from.v.unsigned_abs());
+        let of = |speed: u64, limit: i32| ratio(speed, u64::from(limit.unsigned_abs()));
+        let by_force = of((speed * 61_440) >> 16, limits.acceleration).min(LONGEST.into()) as u32;
+        let by_flow = root(of(speed * 739, limits.jerk).min(u32::MAX.into()) as u32);
+        let length = by_force.max(by_flow).saturating_add(1).max(limits.shortest).min(LONGEST);
+        let way = (i64::from(from.v) * i64::from(length)) >> 1;
+        Way::after(from.x.wrapping_add(way), from, length)
     }
 
     /// The same within so many samples.
@@ -251,6 +286,36 @@ mod tests {
                 let length = f64::from(Way::slowing(0, from, &limits).length);
                 assert!((length - exact).abs() <= 2.0 + 1e-3 * exact, "{speed}: {length} instead of {exact}");
             }
+        }
+    }
+
+    /// Stopped, a motion slows down all the way, within twice the limits; where it can end at its target it is not stopped.
+    #[test]
+    fn a_stop_is_the_shortest_way_and_only_where_the_target_is_passed() {
+        let limits = limits(6);
+        for v in [90, -90, 40, -12] {
+            let from = Point { x: 777 << 16, v: v << 16, a: 0, j: 0 };
+            let sign = i64::from(v.signum());
+            let mut way = Way::braking(from.x, from, &limits).expect("the target is where it is");
+            let distance = (way.end().x - from.x) * sign;
+            let by_force = 0.94 * f64::from(v.abs()) / 2.0;
+            assert!(f64::from(way.length) >= by_force && f64::from(way.length) < 2.5 * by_force + 8.0);
+            let mut last = from;
+            while way.over().is_none() {
+                let p = way.now();
+                assert!(
+                    (p.x - last.x) * sign >= -8 && p.v * (sign as i32) <= last.v * (sign as i32) + 64,
+                    "{p:?}"
+                );
+                assert!(p.a.abs() <= 2 * limits.acceleration + limits.acceleration / 20, "{p:?}");
+                last = p;
+                way.advance();
+            }
+            let beyond = |more: i64| from.x + sign * (distance + more);
+            assert!(Way::braking(beyond(-distance / 8), from, &limits).is_some());
+            assert!(Way::braking(beyond(distance / 8), from, &limits).is_none());
+            assert!(Way::braking(beyond(1 << 30), from, &limits).is_none());
+            assert!(Way::braking(from.x - sign * (1 << 30), from, &limits).is_some(), "it is behind");
         }
     }
 

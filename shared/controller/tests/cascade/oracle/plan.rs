@@ -17,6 +17,7 @@ pub struct Plan {
     way: Way,
     phase: Phase,
     short: u32,
+    stops: bool,
     side: f64,
     stood: i32,
     rested: u32,
@@ -51,6 +52,7 @@ impl Plan {
             way: Way { length: 1.0, ..Way::default() },
             phase: Phase::Rest { held: force, centre: force },
             short: 0,
+            stops: false,
             side: 0.0,
             stood: count,
             rested: 0,
@@ -83,7 +85,9 @@ impl Plan {
             Phase::Move => {
                 self.way.k += 1.0;
                 let over = self.way.k - self.way.length;
-                if over >= 0.0 && self.has_come(seen, over, error.abs()) {
+                if self.stops && over >= 0.0 {
+                    self.set_off(seen);
+                } else if over >= 0.0 && self.has_come(seen, over, error.abs()) {
                     self.rest(seen);
                 } else if f64::from(self.short) > c.samples(8e-3) && v.abs() > c.speed(0.02) {
                     self.set_off(seen);
@@ -155,6 +159,14 @@ impl Plan {
         let j = flow * air.extend.min(air.retract) * c.acceleration;
         let length = (2.19 * distance / v).max((7.5 * distance / a).sqrt()).max((52.5 * distance / j).cbrt());
         let length = length.max(6.0).max(2.0 * c.tau).ceil();
+        let v = motion.v.abs();
+        let stop = (0.9375 * v / a).max((2.887 * v / j).sqrt());
+        let stop = (stop + 1.0).floor().max(6.0).max((2.0 * c.tau).floor() + 1.0);
+        let way = 0.5 * motion.v * stop;
+        let left = target - motion.x;
+        self.stops = v > c.speed(0.1) && if motion.v > 0.0 { left < way } else { left > way };
+        let (target, distance, length) =
+            if self.stops { (motion.x + way, way.abs(), stop) } else { (target, distance, length) };
         let most = 2.0 * distance / (length * length);
         let a = motion.acceleration(c, seen.load, seen.force).clamp(-most, most);
         self.way = Way::to(target, Point { x: motion.x, v: motion.v, a, j: 0.0 }, length);
