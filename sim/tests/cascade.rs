@@ -1,6 +1,7 @@
 //! The law "cascade": what it is for. Its integers are compared with its equations in `shared/controller/tests/cascade.rs`.
 
 mod doubt;
+mod endurance;
 mod redirected;
 
 use pneudrive_controller::law::Running;
