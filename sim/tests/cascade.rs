@@ -11,7 +11,7 @@ use pneudrive_sim::{Accuracy, Plant, Rig};
 const PRESS: &str = include_str!("cascade/press.toml");
 
 /// Other drives by their data sheets, as changes to the first.
-const DRIVES: [(&str, &[&str]); 4] = [
+const DRIVES: [(&str, &[&str]); 5] = [
     ("32 x 250 mm, 8 kg", &[]),
     ("the same, vertical", &["load.incline_deg=90"]),
     (
@@ -31,6 +31,7 @@ const DRIVES: [(&str, &[&str]); 4] = [
         ],
     ),
     ("32 x 250 mm, 8 kg, 0.5 ms", &["controller.period_s=0.0005", "controller.delay_s=0.0002"]),
+    ("32 x 250 mm, 8 kg, sensors with a lag of 2 ms", &["sensors.pressure_lag_s=0.002"]),
 ];
 
 /// Numbers that look random and are the same everywhere (xorshift).
@@ -273,6 +274,7 @@ fn a_sine_is_followed_within_six_tenths_of_a_millimetre() {
 fn a_rig_that_lacks_what_the_law_needs_is_refused_by_name() {
     for (change, what) in [
         ("sensors.pressure=false", "sensors.pressure = true"),
+        ("sensors.pressure_lag_s=0.006", "sensors.pressure_lag_s of at most 0.005"),
         ("operator.dither_mm=0.1", "operator.dither_mm = 0"),
         ("operator.model=\"solenoid\"", "operator.model"),
         ("valve.model=\"flow-node\"", "valve.model = \"iso-6358\""),

@@ -15,6 +15,7 @@
 //! | [`way`] | from any motion to rest at a target, or from a deviation to a profile |
 //! | [`force`] | the rate of the force that keeps the load on its way |
 //! | [`rest`] | when a load rests, and the force that holds it |
+//! | [`sensor`] | the force that pressure sensors with a lag do not show yet |
 //! | [`valve`] | the command for that rate |
 //! | [`known`] | what it knows at a sample, to be looked at |
 //! | `number`, `squares` | products, quotients and roots; least squares |
@@ -37,6 +38,7 @@ pub mod load;
 pub mod motion;
 mod number;
 pub mod rest;
+pub mod sensor;
 mod squares;
 pub mod valve;
 pub mod way;
@@ -54,6 +56,7 @@ use load::Load;
 use motion::Motion;
 use number::{product, samples};
 use rest::Rest;
+use sensor::Hidden;
 use valve::Valve;
 use way::{Limits, Way};
 
@@ -70,6 +73,7 @@ pub struct Settings {
     lag: lag::Constants,
     force: force::Constants,
     rest: rest::Constants,
+    sensor: sensor::Constants,
     valve: valve::Constants,
     doubt: doubt::Constants,
     /// Speed and acceleration of its own ways, Q16; the part of the flow for their jerk, Q16; their shortest time, samples.
@@ -121,6 +125,7 @@ pub struct Cascade {
     /// Whether this sample is one for the load, or for the valve.
     for_load: bool,
     air: Air,
+    hidden: Hidden,
     valve: Valve,
     doubt: Doubt,
 }
@@ -146,6 +151,7 @@ impl Default for Cascade {
             lag: Lag::default(),
             for_load: false,
             air: Air::default(),
+            hidden: Hidden::default(),
             valve: Valve::default(),
             doubt: Doubt::default(),
         }
@@ -167,6 +173,7 @@ impl Settings {
             flow: flow::Constants::of(parameters),
             lag: lag::Constants::of(parameters, load.certainty),
             force: force::Constants::of(parameters, &air),
+            sensor: sensor::Constants::of(parameters),
             valve: valve::Constants::of(parameters),
             doubt: doubt::Constants::of(parameters, period_us, count_pm),
             rest: rest::Constants::of(parameters, period_us, count_pm, speed),
@@ -226,6 +233,16 @@ impl Cascade {
         self.phase = Phase::Rest { held: force, centre: force };
     }
 
+    /// The force, of which sensors with a lag show an older one.
+    fn unhidden(&mut self, settings: &Settings, shown: i32) -> i32 {
+        if settings.sensor.are_swift() {
+            return shown;
+        }
+        let rate = settings.valve.rate(&self.air, self.valve.mean);
+        let spring = product(self.air.stiffness, self.motion.v, 22);
+        shown.saturating_add(self.hidden.take(&settings.sensor, rate.saturating_sub(spring)))
+    }
+
     /// Both observers, and the air for what follows; returns the flow observer's error.
     fn observe(
         &mut self,
@@ -240,7 +257,7 @@ impl Cascade {
         let rate = settings.valve.rate(&self.air, self.valve.mean);
         let spring = product(self.air.stiffness, self.motion.v, 22);
         let missed = self.flow.observe(&settings.flow, force, rate.saturating_sub(spring));
-        self.lag.take(&settings.lag, rate);
+        self.lag.take(&settings.lag, self.hidden.shown(&settings.sensor, rate));
         let seen = doubt::Seen { raw, pressures, force, count, step, air: &self.air };
         self.doubt.take(&settings.doubt, &seen, self.for_load);
         if !self.for_load {
@@ -427,7 +444,7 @@ impl ControlLaw for Cascade {
     ) -> i32 {
         let count = measured.motion.position;
         let pressures = measured.pressures.map(|raw| settings.air.pressure(raw));
-        let force = settings.air.force(pressures);
+        let force = self.unhidden(settings, settings.air.force(pressures));
         if !self.begun {
             self.begin_at(settings, count, force);
         }

@@ -140,6 +140,8 @@ macro_rules! parameter_table {
                106 CASCADE_WAY_ACCELERATION "cascade_way_acceleration" "counts/sample^2" [1, ACCELERATION_MAX, 65_536] () "" "Of the law cascade: largest acceleration of its own ways, in 2^-16." only Cascade;
                107 CASCADE_WAY_FLOW "cascade_way_flow" "" [655, 65_536, 26_214] () "" "Of the law cascade: part of the flow that the largest jerk of its own ways may ask for, in 2^-16." only Cascade;
                108 CASCADE_LEARNING_NOISE "cascade_learning_noise" "" [0, UNIT, 0] () "" "Of the law cascade: noise of a force, for what is learned of the load, in 2^-24 of the supply on area 1; 0: nothing is learned." only Cascade;
+               112 CASCADE_SENSOR_DECAY "cascade_sensor_decay" "" [0, DECAY, 0] () "" "Of the law cascade: what sensors with a lag have still to show of a pressure a sample later, in 2^-30." only Cascade;
+               113 CASCADE_SENSOR_GAIN "cascade_sensor_gain" "" [0, DECAY, 0] () "" "Of the law cascade: what they have still to show of a change during that sample, in 2^-30; 0: they have no lag." only Cascade;
             }
         }
     };

@@ -7,6 +7,7 @@ mod lag;
 mod load;
 mod observers;
 mod plan;
+mod sensors;
 mod squares;
 mod trajectory;
 mod valve;
@@ -19,6 +20,7 @@ use observers::Flow;
 pub use observers::Motion;
 use plan::{Plan, Seen};
 use pneudrive_controller::Parameters;
+use sensors::Hidden;
 use valve::{Valve, opening};
 
 pub struct Oracle {
@@ -30,6 +32,7 @@ pub struct Oracle {
     for_load: bool,
     flow: Flow,
     air: Air,
+    hidden: Hidden,
     plan: Plan,
     valve: Valve,
 }
@@ -45,6 +48,7 @@ impl Oracle {
             for_load: false,
             flow: Flow::default(),
             air: Air::default(),
+            hidden: Hidden::default(),
             plan: Plan::new(0, 0.0),
             valve: Valve::default(),
         }
@@ -53,7 +57,10 @@ impl Oracle {
     pub fn step(&mut self, count: i32, raw: [i16; 2], target: i32) -> i16 {
         let c = &self.c;
         let p = raw.map(|raw| (c.offset + c.gain * f64::from(raw)).max(0.5 * c.exhaust));
-        let force = p[0] - c.ratio * p[1] - c.exhaust * (1.0 - c.ratio);
+        let open = self.air.extend * c.conductance(self.valve.mean)
+            - self.air.retract * c.conductance(-self.valve.mean);
+        let hidden = self.hidden.take(c, open - self.air.stiffness * self.motion.v);
+        let force = p[0] - c.ratio * p[1] - c.exhaust * (1.0 - c.ratio) + hidden;
         if !self.begun {
             self.begun = true;
             self.motion = Motion::new(c, count, force);
@@ -62,10 +69,8 @@ impl Oracle {
         }
         self.for_load = !self.for_load;
         let step = self.motion.observe(c, &self.load, count, force);
-        let open = self.air.extend * c.conductance(self.valve.mean)
-            - self.air.retract * c.conductance(-self.valve.mean);
         let missed = self.flow.observe(c, force, open - self.air.stiffness * self.motion.v);
-        self.lag.take(c, open);
+        self.lag.take(c, self.hidden.shown(c, open));
         self.air = c.air(self.motion.x, p);
         if self.motion.stuck {
             self.load.forget();

@@ -7,6 +7,7 @@
 //! length of a chamber    V_i/(A_i c)                           flow           n R sqrt(T_0 Ts) rho_0 C T/(A_1 c)
 //! acceleration           Ps A_1 T^2/(M c)                      viscous        B c/(T Ps A_1)
 //! lag of the spool       K_D/K_S                               dead time      tau = delay + T/2 + lag/1.5
+//! sensors with a lag L   a = exp(-T/L), b = (1 - a) L/T
 //! poles                  force 0.6/tau, position 0.24/tau, motion observer 1.0/tau, flow observer 0.35/tau
 //! ways                   half of the speed of the choked flow, 0.4 of the force, 0.4 of the flow
 //! ```
@@ -50,7 +51,7 @@ fn fixed(value: f64, bits: i32) -> i32 {
 /// What the law knows of a drive whose rig passes [`check`].
 pub(super) fn values(rig: &Rig) -> Vec<(u16, i32)> {
     let drive = Drive::of(rig);
-    [drive.cylinder(rig), drive.valve(rig), drive.load(rig), drive.spool(rig), drive.loops()].concat()
+    [drive.cylinder(rig), drive.valve(rig), drive.load(rig), drive.spool(rig), drive.sensors(rig), drive.loops()].concat()
 }
 
 /// The paths from the supply and to the exhaust, if they are components by their conductance.
@@ -191,6 +192,15 @@ impl Drive {
         ]
     }
 
+    fn sensors(&self, rig: &Rig) -> Vec<(u16, i32)> {
+        let lag = rig.get(&keys::sensors::PRESSURE_LAG_S) / self.period;
+        let decay = if lag > 0.0 { libm::exp(-1.0 / lag) } else { 0.0 };
+        vec![
+            (id::CASCADE_SENSOR_DECAY, fixed(decay, 30)),
+            (id::CASCADE_SENSOR_GAIN, fixed((1.0 - decay) * lag, 30)),
+        ]
+    }
+
     fn loops(&self) -> Vec<(u16, i32)> {
         // Samples from one to what it does to the flow.
         let tau = self.dead_time_factor * (self.delay + 0.5 * self.period + self.lag / BOOST) / self.period;
@@ -216,10 +226,14 @@ pub(in crate::rig) fn check(rig: &Rig, findings: &mut Findings) {
     let rig = &*rig.nominal();
     let by_conductance = format!("valve.model = \"{}\": a known flow", WITH_CONDUCTANCES.join("\" or \""));
     let travel = spool_travel(rig);
-    let needs: [(bool, &str); 10] = [
+    let needs: [(bool, &str); 11] = [
         (
             rig.get(&keys::sensors::PRESSURE),
             "sensors.pressure = true: it is a loop of the force, which it knows by the pressures",
+        ),
+        (
+            rig.get(&keys::sensors::PRESSURE_LAG_S) <= 5e-3,
+            "sensors.pressure_lag_s of at most 0.005: a force that is known in time",
         ),
         (
             rig.get(&keys::operator::MODEL) == operator::OperatorKind::Empirical,

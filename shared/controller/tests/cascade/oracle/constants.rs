@@ -36,6 +36,7 @@ pub struct Constants {
     pub span: f64,
     pub play: f64,
     pub way: [f64; 3],
+    pub sensors: [f64; 2],
     pub noise: f64,
     /// s, m.
     pub period: f64,
@@ -81,6 +82,7 @@ impl Constants {
                 get(id::CASCADE_WAY_ACCELERATION, 16),
                 get(id::CASCADE_WAY_FLOW, 16),
             ],
+            sensors: [get(id::CASCADE_SENSOR_DECAY, 30), get(id::CASCADE_SENSOR_GAIN, 30)],
             noise: get(id::CASCADE_LEARNING_NOISE, 24),
             period: get(id::PERIOD_US, 0) * 1e-6,
             count: get(id::ENCODER_PM_PER_COUNT, 0) * 1e-12,
