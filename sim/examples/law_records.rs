@@ -17,7 +17,7 @@ use pneudrive_sim::{Accuracy, Rig, run};
 const MOVES: &str = "test.moves=[[0.0, 6250], [0.02, 12250], [0.42, 12050], [0.72, 6250], [0.79, 9250]]";
 
 /// What the law knows of each drive, and what else its plant is.
-const DRIVES: [(&str, &[&str], &[&str]); 4] = [
+const DRIVES: [(&str, &[&str], &[&str]); 5] = [
     ("level", &[], &["load.mass_kg=9.5", "load.coulomb_extend_n=20.0", "load.coulomb_retract_n=20.0"]),
     (
         "upright",
@@ -29,6 +29,7 @@ const DRIVES: [(&str, &[&str], &[&str]); 4] = [
         &["controller.period_s=0.0005", "controller.delay_s=0.0002"],
         &["load.mass_kg=7.0", "supply.pressure_pa=730000.0"],
     ),
+    ("slow", &["sensors.pressure_lag_s=0.002"], &["load.mass_kg=9.0", "supply.pressure_pa=680000.0"]),
     (
         "bristles",
         &[],

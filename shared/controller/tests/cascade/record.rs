@@ -7,10 +7,11 @@ use pneudrive_controller::{Config, Move, Parameters, Sample, Sequence, State};
 use crate::bench::{self, ControllerBench};
 
 /// Each record by its name.
-pub const RECORDS: [(&str, &str); 4] = [
+pub const RECORDS: [(&str, &str); 5] = [
     ("level", include_str!("records/level.csv")),
     ("upright", include_str!("records/upright.csv")),
     ("often", include_str!("records/often.csv")),
+    ("slow", include_str!("records/slow.csv")),
     ("bristles", include_str!("records/bristles.csv")),
 ];
 

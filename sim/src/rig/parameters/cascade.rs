@@ -51,7 +51,15 @@ fn fixed(value: f64, bits: i32) -> i32 {
 /// What the law knows of a drive whose rig passes [`check`].
 pub(super) fn values(rig: &Rig) -> Vec<(u16, i32)> {
     let drive = Drive::of(rig);
-    [drive.cylinder(rig), drive.valve(rig), drive.load(rig), drive.spool(rig), drive.sensors(rig), drive.loops()].concat()
+    [
+        drive.cylinder(rig),
+        drive.valve(rig),
+        drive.load(rig),
+        drive.spool(rig),
+        drive.sensors(rig),
+        drive.loops(),
+    ]
+    .concat()
 }
 
 /// The paths from the supply and to the exhaust, if they are components by their conductance.
