@@ -57,6 +57,9 @@ impl Hidden {
 
     /// A rate (Q24) as sensors with the lag show it: `s+ = r + a (s - r)`.
     pub(super) fn shown(&mut self, constants: &Constants, rate: i32) -> i32 {
+        if constants.are_swift() {
+            return rate;
+        }
         let old = self.rate.saturating_sub(rate);
         self.rate = rate.saturating_add(product(old, constants.decay, 30));
         self.rate
