@@ -6,7 +6,7 @@ use pneudrive_sim::{Accuracy, IntegrationError, Rig, run};
 
 use crate::extreme;
 
-/// Seeds of rigs that take no long time; the example `extremes` draws more.
+/// Seeds of rigs that take no long time; the example `campaign` of pneudrive-design draws more.
 const SEEDS: std::ops::RangeInclusive<u64> = 1..=24;
 
 #[test]
