@@ -19,6 +19,9 @@ const MIN_STEP: f64 = 1e-13;
 /// Most events within [`MIN_STEP`] of each other.
 const MAX_EVENTS_AT_ONCE: u32 = 64;
 
+/// So many steps within [`STEP_COUNT_SPAN_S`] crawl: a system that nothing ails takes fewer.
+const CRAWLING: u64 = 500;
+
 /// The time in which [`MAX_STEPS`] may be tried, s.
 const STEP_COUNT_SPAN_S: f64 = 1e-3;
 
@@ -61,6 +64,10 @@ pub struct Integrator<
     stiffness: Stiffness,
     /// When the present [`STEP_COUNT_SPAN_S`] began, and the steps tried until then.
     step_count_span: (f64, u64),
+    /// Whether there were more than [`CRAWLING`] since.
+    crawls: bool,
+    /// How often so many steps have crawled, and the steps tried until the last time.
+    crawled: (u32, u64),
 }
 
 /// A size that a step is tried with.
@@ -108,6 +115,8 @@ impl<const N: usize, const G: usize, const E: usize, const FEW: usize, const SOM
             events_at_once: (0, 0.0),
             stiffness: Stiffness::default(),
             step_count_span: (0.0, 0),
+            crawls: false,
+            crawled: (0, 0),
         }
     }
 
@@ -238,10 +247,14 @@ impl<const N: usize, const G: usize, const E: usize, const FEW: usize, const SOM
         let tried = self.now.statistics.n_steps + self.now.statistics.n_rejected_steps;
         if self.now.t - since >= STEP_COUNT_SPAN_S {
             self.step_count_span = (self.now.t, tried);
+            (self.crawls, self.crawled.1) = (false, tried);
         } else if tried - before > MAX_STEPS
             || (tried - before > MANY_STEPS && system.beyond_model(&self.now.x).is_some())
         {
             return Err(IntegrationError::NoProgress { at_s: self.now.t });
+        }
+        if tried - self.crawled.1 > CRAWLING {
+            (self.crawls, self.crawled) = (true, (self.crawled.0 + 1, tried));
         }
         Ok(())
     }
@@ -304,7 +317,8 @@ impl<const N: usize, const G: usize, const E: usize, const FEW: usize, const SOM
         derivative: &[f64; N],
         limit: f64,
     ) -> Result<f64, IntegrationError> {
-        let linearization = self.stiffness.implicit.then(|| self.now.linearize(system, derivative));
+        let linearization =
+            self.stiffness.implicit.then(|| self.now.linearize(system, derivative, self.crawled.0));
         system.tighten(false);
         loop {
             let Proposal { h, end, limited } = self.propose(limit);
@@ -415,7 +429,7 @@ impl<const N: usize, const G: usize, const E: usize, const FEW: usize, const SOM
     /// A step cut short does not show how far a method might go. The errors of one method have no trend in common
     /// with the errors of the other.
     fn note_stiffness(&mut self, limited: bool, growth: f64) {
-        if !limited && self.stiffness.note(self.step.stiffness, self.step.moved, growth) {
+        if !limited && self.stiffness.note(self.step.stiffness, self.step.moved, growth, self.crawls) {
             self.control = StepControl::default();
         }
     }

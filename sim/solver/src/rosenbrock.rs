@@ -7,7 +7,9 @@
 //! ```
 //!
 //! J and df/dt by differences: each state is moved by little more than the tolerance allows, because a
-//! right-hand side may bend within that much of a state.
+//! right-hand side may bend within that much of a state. It may bend within less: a flow between two volumes that are all but
+//! equal goes with the root of their difference. One-sided differences then are off by as much as they are wide, and steps
+//! are so short that this error stays small: they crawl.
 
 use crate::dense_output::{AcceptedStep, DenseOutput, TrialError};
 use crate::linear::Factors;
@@ -19,6 +21,9 @@ const STAGES: usize = 6;
 const GAMMA: f64 = 0.25;
 /// The interpolant is of order 3, and so is the method beside it.
 const ERROR_ORDER: f64 = 4.0;
+/// By how much less states are moved, one after the other as long as steps crawl. Differences over more than a right-hand
+/// side bends within are wrong, and those over less lose digits.
+const FINER: [f64; 5] = [1.0, 1e-1, 1e-2, 1e-3, 1e-4];
 /// s: over which df/dt is taken at most.
 const MOMENT: f64 = 1e-6;
 
@@ -70,31 +75,50 @@ pub(crate) struct Linearization<const N: usize> {
 }
 
 impl<const N: usize> Progress<N> {
-    /// The preparation of a step from the present state, for any size.
+    /// The preparation of a step from the present state, for any size. Where steps have crawled so often, each state is moved
+    /// both ways, and by less the next time.
     pub(crate) fn linearize<const G: usize, const E: usize>(
         &mut self,
         system: &mut impl System<N, G, E>,
         derivative: &[f64; N],
+        crawled: u32,
     ) -> Linearization<N> {
         let mut jacobian = [[0.0; N]; N];
-        let n_moving = system.n_moving();
+        let (n_moving, both_ways) = (system.n_moving(), crawled > 0);
+        let part = self.moved_part(crawled);
         for j in 0..n_moving {
-            let mut x = self.x;
-            x[j] += self.moved_by(j);
-            let moved = system.derivative(self.t, &x);
-            let by = x[j] - self.x[j];
+            let by = part * self.scale[j].max(self.x[j].abs());
+            let (x, moved) = self.moved(system, j, by);
+            let (from, unmoved) =
+                if both_ways { self.moved(system, j, -by) } else { (self.x[j], *derivative) };
             for i in 0..N {
-                jacobian[i][j] = (moved[i] - derivative[i]) / by;
+                jacobian[i][j] = (moved[i] - unmoved[i]) / (x - from);
             }
         }
         let later = system.derivative(self.t + MOMENT, &self.x);
-        self.statistics.n_rhs_evaluations += n_moving as u64 + 1;
+        self.statistics.n_rhs_evaluations += (1 + u64::from(both_ways)) * n_moving as u64 + 1;
         Linearization { jacobian, by_time: std::array::from_fn(|i| (later[i] - derivative[i]) / MOMENT) }
     }
 
-    fn moved_by(&self, state: usize) -> f64 {
+    /// A state moved by a little, and the derivative there.
+    fn moved<const G: usize, const E: usize>(
+        &self,
+        system: &mut impl System<N, G, E>,
+        state: usize,
+        by: f64,
+    ) -> (f64, [f64; N]) {
+        let mut x = self.x;
+        x[state] += by;
+        (x[state], system.derivative(self.t, &x))
+    }
+
+    /// The part of a state by which it is moved.
+    fn moved_part(&self, crawled: u32) -> f64 {
         let part = (10.0 * self.tolerance).clamp(1e-10, 1e-9);
-        part * self.scale[state].max(self.x[state].abs())
+        match crawled {
+            0 => part,
+            times => part * FINER[(times - 1) as usize % FINER.len()],
+        }
     }
 
     /// A trial step in which the first M states move. It goes to `step` if its error is small.

@@ -9,6 +9,9 @@
 /// h times the rate of decay at which explicit steps end (Dormand-Prince: 3.3, Merson: 3.5).
 const BOUND: f64 = 3.0;
 
+/// The same where steps crawl: rejected ones keep them below the bound.
+const CRAWLING_BOUND: f64 = 1.5;
+
 /// A step that moves no state by more than this many allowed errors is not short because of the error: an accurate
 /// step moves it by thousands.
 const IDLE: f64 = 30.0;
@@ -33,15 +36,16 @@ pub(crate) struct Stiffness {
 
 impl Stiffness {
     /// Takes an accepted step into account: h times the rate of decay that it met, how far it moved the state in allowed
-    /// errors, and the next h over h. Tells whether the method changes.
+    /// errors, the next h over h, and whether such steps take too long. Tells whether the method changes.
     #[inline]
-    pub fn note(&mut self, rate: f64, moved: f64, growth: f64) -> bool {
+    pub fn note(&mut self, rate: f64, moved: f64, growth: f64, crawls: bool) -> bool {
         let before = self.implicit;
+        let bound = if crawls { CRAWLING_BOUND } else { BOUND };
         if self.implicit {
             if rate < WORTH && moved > IDLE && growth < GROWING {
                 *self = Stiffness::default();
             }
-        } else if rate > BOUND || moved < IDLE {
+        } else if rate > bound || moved < IDLE {
             (self.at_bound, self.others) = (self.at_bound + 1, 0);
             if self.at_bound >= STIFF {
                 *self = Stiffness { implicit: true, ..Stiffness::default() };
