@@ -4,10 +4,11 @@ use std::time::{Duration, Instant};
 
 use pneudrive_sim::{Accuracy, IntegrationError, Rig, run};
 
-use crate::extreme;
+use crate::extreme::{self, every_key};
 
 /// Seeds of rigs that take no long time; the example `campaign` of pneudrive-design draws more.
 const SEEDS: std::ops::RangeInclusive<u64> = 1..=24;
+const EVERY_KEY: std::ops::RangeInclusive<u64> = 2..=20;
 
 #[test]
 fn a_drawn_rig_at_the_edge_runs_or_is_refused_by_key_or_ends_by_what_its_piston_ran_through() {
@@ -30,6 +31,24 @@ fn a_drawn_rig_at_the_edge_runs_or_is_refused_by_key_or_ends_by_what_its_piston_
         }
     }
     assert!(ran > 12, "{ran}");
+}
+
+/// Drawn key by key: `rig check` has taken each of them.
+#[test]
+fn a_rig_of_which_any_key_lies_anywhere_in_its_range_runs() {
+    for seed in EVERY_KEY {
+        let every_key::Drawn { name, settings, rig, .. } = every_key::rig(seed);
+        match run(&rig, Accuracy::of(&rig)) {
+            Ok(run) => {
+                assert!(
+                    run.rows.iter().all(|row| row.values().iter().all(|value| value.is_finite())),
+                    "{seed}"
+                );
+            }
+            Err(IntegrationError::BeyondModel { why, .. }) => assert!(why.contains("actuator."), "{why}"),
+            Err(error) => panic!("{seed}: {error}: {name} {settings:?}"),
+        }
+    }
 }
 
 /// Its piston of 5 kg arrives at 2.4 m/s, and its stop gives way by more than the dead volume is long. Once the run ended as
