@@ -386,6 +386,23 @@ impl Cascade {
         self.rest.set_off(&self.motion);
     }
 
+    /// The speed along a profile two dead times later; that of one dead time later is `soon`, with what joins it.
+    fn turning(&self, point: &Point, soon: i32) -> i32 {
+        let [once, twice] = [1, 2].map(|times| point.later(self.lag.dead_time.saturating_mul(times)).v);
+        twice.saturating_add(soon.saturating_sub(once))
+    }
+
+    /// The friction of the wanted force with a sign. A profile that turns leaves a stuck load behind, and so does a way to a target that
+    /// it has missed: it is pushed to where it breaks away.
+    fn friction(&self, of_load: &load::Constants, sign: i32) -> i32 {
+        let stiction = of_load.stiction;
+        match self.phase {
+            Phase::Profile if self.motion.stuck => sign.saturating_mul(stiction - (stiction >> 2)),
+            _ if self.motion.stuck && self.rest.tries_again() => sign.saturating_mul(stiction),
+            _ => self.load.slide(of_load, sign),
+        }
+    }
+
     /// The rate of the force (Q24 a sample), and below which one the valve stays shut.
     fn rate(&mut self, settings: &Settings, reference: &Reference, force: i32) -> (i32, i32) {
         let (loops, load, of_load) = (&settings.force, &self.load, &settings.load);
@@ -407,15 +424,15 @@ impl Cascade {
                     None => (self.way.now(), self.way.later(self.lag.dead_time)),
                 };
                 let seen = force::Seen { load, of_load, motion: &self.motion, air: &self.air, force, swift };
-                // A profile that turns leaves a stuck load behind, and so does a way to a target that it has missed: it is pushed to
-                // where it breaks away.
-                let breaks_away =
-                    (self.phase == Phase::Profile || self.rest.tries_again()) && self.motion.stuck;
-                if soon.v != 0 {
-                    self.side = soon.v.signum();
+                let turn = match reference.point {
+                    Some(point) => self.turning(&point, soon.v),
+                    None => soon.v,
+                };
+                if turn != 0 {
+                    self.side = turn.signum();
                 }
-                let sign = if self.rest.is_loose() { self.side } else { soon.v.signum() };
-                let wanted = loops.wanted(&seen, &now, sign, breaks_away);
+                let sign = if self.rest.is_loose() { self.side } else { turn.signum() };
+                let wanted = loops.wanted(&seen, &now, self.friction(of_load, sign));
                 (self.reference, self.forces) = (now, [force, wanted]);
                 (loops.rate(&seen, &now, &soon, wanted).saturating_sub(self.flow.unknown()), 0)
             }

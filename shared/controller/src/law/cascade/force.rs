@@ -1,9 +1,13 @@
 //! The force loop: the rate of the force that keeps the load on its way, or holds it.
 //!
 //! ```text
-//! wanted      Fw = M/A (a_r + 2 p e' + p^2 e) + B v_r + Fc sgn(v_s) + d        within 0.8 (1 - Pe) of the smaller area
+//! wanted      Fw = M/A (a_r + 2 p e' + p^2 e) + B v_r + Ff + d                 within 0.8 (1 - Pe) of the smaller area
 //! rate        g  = M/A j_s + B a_s + f (Fw - F) + K (v + v_s - v_r) - g_unknown
 //! ```
+//!
+//! Ff: friction, Fc sgn(v_s). Along a profile its sign is that of another dead time later: the valve takes one to answer, the force another
+//! to follow. A load that a profile leaves behind is pushed with 3/4 of the stiction, since all of it makes a load jump whose friction is
+//! low; what that lacks, the error adds. One that is moved once more to its target is pushed with all of it.
 //!
 //! r: the reference now; s: the reference a dead time later, when the valve will have answered. M, B, Fc, K: [`super::load`] and
 //! [`super::air`]. The unit of g is force a sample (Q24); poles f and p are Q16 a sample, by the
@@ -51,16 +55,14 @@ impl Constants {
         }
     }
 
-    /// Fw on a way, with the sign of the friction; that of a load that shall break away is stiction.
-    pub(super) fn wanted(&self, seen: &Seen, now: &Point, sign: i32, breaks_away: bool) -> i32 {
+    /// Fw on a way, with this friction.
+    pub(super) fn wanted(&self, seen: &Seen, now: &Point, friction: i32) -> i32 {
         let Seen { load, of_load, motion, .. } = seen;
         let late = now.v.saturating_sub(motion.v);
         let short = saturate(now.x.wrapping_sub(motion.x));
         let pole = product(self.position_pole, seen.swift, 16);
         let fed_back = product(late, pole, 15).saturating_add(product(short, product(pole, pole, 2), 30));
         let inertia = product(load.inertia(of_load), now.a.saturating_add(fed_back), 16);
-        let friction =
-            if breaks_away { sign.saturating_mul(of_load.stiction) } else { load.slide(of_load, sign) };
         let sum = inertia.saturating_add(load.drag(now.v)).saturating_add(friction).saturating_add(motion.d);
         within(sum, self.most)
     }
