@@ -7,6 +7,7 @@ use pneudrive_controller::Config;
 use pneudrive_controller::config::ConfigError;
 use pneudrive_controller::parameters::lookup;
 
+use super::lagging;
 use super::parameters::cascade;
 use super::problem::{Problem, Problems};
 use crate::component::actuator::Actuator;
@@ -68,7 +69,7 @@ fn check(rig: &Rig, findings: &mut Findings) {
         check(rig, findings);
     }
     // The other checks need a rig that passes these.
-    for check in [check_flow, check_dead_volumes, check_parameters] {
+    for check in [check_flow, lagging::check, check_dead_volumes, check_parameters] {
         if findings.0.is_empty() {
             check(rig, findings);
         }

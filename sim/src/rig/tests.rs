@@ -346,3 +346,19 @@ fn a_key_that_is_asked_for_by_a_near_miss_is_guessed() {
         assert!(problem.message.ends_with(says), "{name}: {}", problem.message);
     }
 }
+
+/// Once such rigs passed, and their runs ended as "too stiff", after steps of nanoseconds.
+#[test]
+fn a_lag_that_the_valve_makes_nothing_of_is_refused_with_one_that_does() {
+    let rig = |lag_s: &str| {
+        format!(
+            "[valve]\nmodel = \"single-restriction\"\nsleeve_diameter_mm = 48.0\nspool_diameter_mm = 48.0\nflow_force = \"none\"\n[tubing]\nmodel = \"analytical\"\nlength_m = 10.0\ndiameter_mm = 2.0\nlag_s = {lag_s}\n"
+        )
+    };
+    let message = only_problem(&rig("1e-4"));
+    assert!(message.contains("tubing.lag_s: the valve passes"), "{message}");
+    let (_, enough) = message.split_once("at least ").expect("a lag that will do");
+    read(&rig(&enough[..enough.find(',').expect("more words")]));
+    read(&rig("0.0"));
+    read("[tubing]\nlag_s = 1e-5\n");
+}

@@ -1,0 +1,78 @@
+//! Whether the lag of a rig's tubes is one.
+//!
+//! The pressure behind a tube follows the flow, and the flow through the valve follows that pressure. With a lag T, a valve that
+//! passes m_v where nothing is lost before and behind it, and tubes that lose half of the pressure at m_t, that pressure settles
+//! within
+//!
+//! ```text
+//! T / (1 + (m_v/m_t)^2)
+//! ```
+//!
+//! because both drops go with the square of the flow, or nearly so. Beside a valve that passes far more than its tubes nothing
+//! lags any more: the pressure behind a tube is that of the chamber or of the supply but for a small difference, which
+//! the least error of either turns into a flow. Such a run takes steps of nanoseconds.
+
+use crate::component::air::GasState;
+use crate::component::gas::Gas;
+use crate::component::tubing::{Tube, tubes};
+use crate::component::valve::Valve;
+use crate::component::{exhaust, supply};
+use crate::keys;
+use crate::network::{Network, PortFlow};
+use crate::values::{Findings, Rig};
+
+/// The least of these times, s: a tenth of a microsecond, in which time is counted here.
+const LEAST_S: f64 = 1e-7;
+
+/// Flows between which that of a tube is searched for, kg/s.
+const FLOWS: [f64; 2] = [1e-12, 1e6];
+
+pub(super) fn check(rig: &Rig, findings: &mut Findings) {
+    let lag = rig.get(&keys::tubing::LAG_S);
+    let times = if lag > 0.0 { valve_over_tubes(rig) } else { return };
+    let slower = 1.0 + times * times;
+    if lag / slower < LEAST_S {
+        let message = format!(
+            "the valve passes {times:.3} times the flow at which the tubes lose half of the pressure, so behind them it settles within {:.1e} s, as if nothing lagged: write 0 or at least {:.1e}, or give wider tubes or a smaller valve",
+            lag / slower,
+            // Rounded, it is still enough.
+            1.05 * LEAST_S * slower
+        );
+        findings.note(&keys::tubing::LAG_S, message);
+    }
+}
+
+/// m_v/m_t; 0 without tubes.
+fn valve_over_tubes(rig: &Rig) -> f64 {
+    let gas = Gas::of(rig);
+    let (from_supply, to_cylinder) = tubes(rig, &gas);
+    let tube = if from_supply.is_none() { to_cylinder } else { from_supply };
+    if tube.is_none() {
+        return 0.0;
+    }
+    largest_flow(rig, gas) / flow_at_half(&gas, &tube, &supply::station(rig, &gas))
+}
+
+/// m_v, kg/s: into an empty chamber or out of a full one, with the spool at either end.
+fn largest_flow(rig: &Rig, gas: Gas) -> f64 {
+    let valve = Valve::of(rig);
+    let (full, empty) = (supply::station(rig, &gas), exhaust::station(rig, &gas));
+    let ends = [-valve.travel, valve.travel].map(|spool| {
+        [(empty, PortFlow::Charging), (full, PortFlow::Discharging)].map(|(chamber, port)| {
+            let nodes = Network::of(rig, gas).flows(&valve, spool, &[chamber; 2], &[port; 2]);
+            nodes.map(|node| node.port_flow().abs()).into_iter().fold(0.0, f64::max)
+        })
+    });
+    ends.into_iter().flatten().fold(0.0, f64::max)
+}
+
+/// m_t, kg/s.
+fn flow_at_half(gas: &Gas, tube: &Tube, known: &GasState) -> f64 {
+    let half = known.exner * gas.exner_ratio(0.5);
+    let [mut low, mut high] = FLOWS;
+    for _ in 0..80 {
+        let middle = (low * high).sqrt();
+        if tube.far_exner(known, middle) > half { low = middle } else { high = middle }
+    }
+    high
+}
