@@ -8,6 +8,7 @@
 mod change;
 mod check;
 mod explain;
+mod lagging;
 mod names;
 mod parameters;
 mod problem;

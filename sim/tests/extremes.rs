@@ -33,11 +33,12 @@ fn a_drawn_rig_at_the_edge_runs_or_is_refused_by_key_or_ends_by_what_its_piston_
     assert!(ran > 12, "{ran}");
 }
 
-/// Drawn key by key: `rig check` has taken each of them.
+/// Drawn key by key: `rig check` has taken each of them, and named a key of each draw that it has not taken.
 #[test]
 fn a_rig_of_which_any_key_lies_anywhere_in_its_range_runs() {
     for seed in EVERY_KEY {
-        let every_key::Drawn { name, settings, rig, .. } = every_key::rig(seed);
+        let every_key::Drawn { name, settings, rig, refused, .. } = every_key::rig(seed);
+        assert!(refused.iter().all(|problem| problem.contains('.')), "{seed}: {refused:?}");
         match run(&rig, Accuracy::of(&rig)) {
             Ok(run) => {
                 assert!(

@@ -10,6 +10,7 @@ use pneudrive_controller::parameters::lookup;
 use super::lagging;
 use super::parameters::cascade;
 use super::problem::{Problem, Problems};
+use super::table::find_key;
 use crate::component::actuator::Actuator;
 use crate::component::controller::{ControllerKind, Law, Loop};
 use crate::component::load::Load;
@@ -82,8 +83,13 @@ fn check_parameters(rig: &Rig, findings: &mut Findings) {
         Ok(Ok(_)) => {}
         Ok(Err(error)) => findings.0.push((key_of(error), error.advice().to_owned())),
         Err((id, value)) => {
-            let name = lookup(id).map_or("?", |parameter| parameter.name);
-            findings.0.push(("controller", format!("its parameter {name} cannot be {value}")));
+            let parameter = lookup(id);
+            let name = parameter.map_or("?", |parameter| parameter.name);
+            let own = parameter.and_then(|parameter| parameter.key).map(|key| key.path);
+            let alike = || find_key(&format!("controller.{name}")).map(|key| key.path);
+            // The others are lengths in counts.
+            let path = own.or_else(alike).unwrap_or(keys::encoder::MM_PER_COUNT.path);
+            findings.0.push((path, format!("the controller's parameter {name} cannot be {value}")));
         }
     }
 }
@@ -91,11 +97,20 @@ fn check_parameters(rig: &Rig, findings: &mut Findings) {
 /// The key to change where parameters do not go together.
 fn key_of(error: ConfigError) -> &'static str {
     match error {
+        ConfigError::DelayNotBelowPeriod => keys::controller::DELAY_S.path,
         ConfigError::LateSampleNotBelowPeriod => keys::safety::LATE_SAMPLE_US.path,
         ConfigError::LateOutputBehindPeriod => keys::safety::LATE_OUTPUT_US.path,
+        ConfigError::SensorWatchTooSlow | ConfigError::DivisorNotPositive => keys::controller::PERIOD_S.path,
+        ConfigError::SensorHighBeyondConverter => keys::sensors::BITS.path,
         ConfigError::EncoderStepSpansLimits => keys::safety::MAX_SPEED_M_S.path,
+        ConfigError::PositionLimitsCrossed => keys::safety::POSITION_MARGIN_MM.path,
+        ConfigError::PressureRangeEmpty => keys::sensors::PRESSURE_MIN_PA.path,
+        ConfigError::SpoolRangeEmpty => keys::sensors::SPOOL_MIN_MM.path,
         ConfigError::EndPositionsCrossed => keys::safety::END_MIN_MM.path,
-        _ => "controller",
+        ConfigError::HomingStandsStill => keys::controller::HOMING_COMMAND_COUNTS.path,
+        ConfigError::PulseTooLong => keys::stepper::PULSE_WIDTH_US.path,
+        ConfigError::NothingToFeedBack => keys::controller::PRESSURE_FEEDBACK_GAIN.path,
+        ConfigError::NoModel => keys::controller::LAW.path,
     }
 }
 

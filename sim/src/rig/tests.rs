@@ -162,7 +162,7 @@ fn the_pressure_feedback_of_a_relay_is_counts_of_error_for_a_kpa() {
     // 1 MPa in 4095 raw counts, 12.4 counts a kPa, times the scale: 12.4 * 0.2442 * 256.
     assert_eq!(rig.parameters().get(id::PRESSURE_FEEDBACK_GAIN), Some(775));
     let message = only_problem("[controller]\nlaw = \"on-off\"\npressure_feedback_gain = 2000\n");
-    assert!(message.contains("its parameter pressure_feedback_gain cannot be 125031"), "{message}");
+    assert!(message.contains("controller.pressure_feedback_gain: the controller's parameter pressure_feedback_gain cannot be 125031"), "{message}");
 }
 
 #[test]
@@ -361,4 +361,19 @@ fn a_lag_that_the_valve_makes_nothing_of_is_refused_with_one_that_does() {
     read(&rig(&enough[..enough.find(',').expect("more words")]));
     read(&rig("0.0"));
     read("[tubing]\nlag_s = 1e-5\n");
+}
+
+/// Once this named the table alone.
+#[test]
+fn parameters_that_do_not_go_together_are_refused_by_the_key_to_change() {
+    for (text, named) in [
+        ("[controller]\nhoming_command_counts = 0\n", "controller.homing_command_counts: "),
+        (
+            "[operator]\nmodel = \"stepper\"\npulse_width_us = 1000\ndirection_setup_us = 1000\n",
+            "operator.pulse_width_us: ",
+        ),
+    ] {
+        let message = only_problem(text);
+        assert!(message.contains(named), "{text:?}: {message}");
+    }
 }
