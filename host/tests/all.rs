@@ -8,6 +8,7 @@ mod cli;
 mod crowd;
 mod device;
 mod encoders;
+mod every_command;
 mod exit_codes;
 mod files_of_others;
 mod fixtures;
