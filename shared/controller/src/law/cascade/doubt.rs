@@ -2,14 +2,14 @@
 //!
 //! ```text
 //! bound      M, d of the load, d of the motion or the pace stays at a bound             longer than a time, in motion
-//! flow       |g| > 0.4 max(E, R) + 0.2 counts of a pressure                             longer than a time
+//! flow       |g| > max(E, R) + half a count of a pressure                               longer than a time
 //! jump       |F - F_1| > 1.25 (max(E, R) + K (|step| + 1)) + 1/32, and the next sample is not back at F_1
 //! frozen     a raw pressure stays within a count while F changes by 0.08 and the load moves by 5 mm
 //! ```
 //!
 //! F_1 is the force of the sample before. A fully open valve and the piston change the force by E or R and K v. So a longer step of it
-//! is one of a sensor, and a rate that the flow observer misses by two fifths of that is not one of the air: the flow of a
-//! valve differs from its data sheet by less. What the observer misses lags, and the small chamber of a piston at its end fills within
+//! is one of a sensor, and a rate that the flow observer misses by all of that is not one of the air. Less is no evidence: a supply
+//! that is a fifth below that of the rig file fills no chamber any more which the model still sees filled. What the observer misses lags, and the small chamber of a piston at its end fills within
 //! samples: so the largest of E and R falls by no more than 1/16 in two samples there. A single reading that is wrong is none of them.
 //! A chamber that is full, or empty, keeps its pressure while the other changes: above 0.92 and within 0.05 of the exhaust nothing
 //! counts as frozen. A long one sleeps through the first millimetres of a piston that leaves its stop.
@@ -168,9 +168,7 @@ impl Doubt {
         let missed = unknown.saturating_abs();
         let reach = air.extend.max(air.retract).saturating_add(constants.noise);
         self.reach = reach.max(self.reach - (self.reach >> 4));
-        // 2.5 of it.
-        let beyond = missed.saturating_mul(2).saturating_add(missed >> 1) > self.reach;
-        self.beyond = if beyond { self.beyond.saturating_add(2) } else { 0 };
+        self.beyond = if missed > self.reach { self.beyond.saturating_add(2) } else { 0 };
         if self.beyond > constants.flow {
             self.fault = Some(Fault::PressureDoubtful);
         }
