@@ -91,8 +91,8 @@ impl<const N: usize> Progress<N> {
             let (x, moved) = self.moved(system, j, by);
             let (from, unmoved) =
                 if both_ways { self.moved(system, j, -by) } else { (self.x[j], *derivative) };
-            for i in 0..N {
-                jacobian[i][j] = (moved[i] - unmoved[i]) / (x - from);
+            for (i, row) in jacobian.iter_mut().enumerate() {
+                row[j] = (moved[i] - unmoved[i]) / (x - from);
             }
         }
         let later = system.derivative(self.t + MOMENT, &self.x);
