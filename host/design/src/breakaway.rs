@@ -41,7 +41,7 @@ pub struct Breakaway {
     pub held: f64,
     /// What the law "cascade" asks for at most.
     pub asked: f64,
-    /// The time until then; None: longer than [`Breakaway::longest`], or never.
+    /// The time until then; None: longer than the integration goes, or never.
     pub time: Option<f64>,
 }
 

@@ -28,6 +28,9 @@
 //! profile is followed as it comes. Where it begins, where it jumps and where the valve has been short, a way of the deviation joins
 //! it. A load that stands at the end of its way, or creeps within 40 um of its target, rests.
 
+// An index that may lie outside is a panic, and whether a compiler sees that it never does differs from image to image.
+#![deny(clippy::indexing_slicing)]
+
 pub mod air;
 pub mod doubt;
 pub mod flow;

@@ -35,7 +35,7 @@ impl<const N: usize> Default for Squares<N> {
     fn default() -> Squares<N> {
         let mut covariance = [[0; N]; N];
         for (i, row) in covariance.iter_mut().enumerate() {
-            row[i] = CERTAIN;
+            row.iter_mut().skip(i).take(1).for_each(|variance| *variance = CERTAIN);
         }
         Squares { unknown: [0; N], covariance }
     }
@@ -59,17 +59,25 @@ impl<const N: usize> Squares<N> {
         let by = u32::MAX.checked_div((variance << zeros) >> 16).unwrap_or(0) as i32;
         let gain = ph.map(|ph| product(ph, by, 22 - zeros.min(15)));
         let miss = y.saturating_sub(sum(&self.unknown, 24));
-        for i in 0..N {
-            let [low, high] = bounds[i];
-            let next = self.unknown[i].saturating_add(product(gain[i], miss, 22));
-            self.unknown[i] = next.min(high).max(low);
-            let variance = self.covariance[i][i].saturating_sub(product(gain[i], ph[i], 20));
-            self.covariance[i][i] = variance.saturating_add(DRIFT).clamp(DRIFT, CERTAIN);
-            for (j, &ph) in ph.iter().enumerate().skip(i + 1) {
-                let next = self.covariance[i][j].saturating_sub(product(gain[i], ph, 20));
-                let next = within(next, CERTAIN);
-                (self.covariance[i][j], self.covariance[j][i]) = (next, next);
+        let unknowns = self.unknown.iter_mut().zip(bounds);
+        for ((t, &[low, high]), &gain) in unknowns.zip(&gain) {
+            *t = t.saturating_add(product(gain, miss, 22)).min(high).max(low);
+        }
+        let mut rows = self.covariance.as_mut_slice();
+        for (i, &gain) in gain.iter().enumerate() {
+            let Some((row, below)) = rows.split_first_mut() else { return };
+            let mut row = row.iter_mut().zip(&ph).skip(i);
+            if let Some((variance, &ph)) = row.next() {
+                let next = variance.saturating_sub(product(gain, ph, 20));
+                *variance = next.saturating_add(DRIFT).clamp(DRIFT, CERTAIN);
             }
+            for ((p, &ph), below) in row.zip(below.iter_mut()) {
+                *p = within(p.saturating_sub(product(gain, ph, 20)), CERTAIN);
+                if let Some(mirrored) = below.get_mut(i) {
+                    *mirrored = *p;
+                }
+            }
+            rows = below;
         }
     }
 }
