@@ -306,7 +306,7 @@ impl Cascade {
             Phase::Way => {
                 self.way.advance();
                 let over = self.way.over();
-                if self.stops && over.is_some() {
+                if over.is_some_and(|over| self.stops || over > of_rest.overdue) {
                     self.set_off(settings, force);
                 } else if over.is_some_and(|over| self.rest.has_come(of_rest, &self.motion, over, error)) {
                     self.come_to_rest(settings, count, force);

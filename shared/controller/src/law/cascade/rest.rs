@@ -1,7 +1,7 @@
 //! Rest: when a load at the end of its way rests, and the force that holds it, on dry friction and on bristles alike.
 //!
 //! ```text
-//! held       Fh' = 5e4/s^3/A e  beyond 20 um             Fh within s Fc of M w + f + d; within 0.4 of that to begin with
+//! held       Fh' = 16/(mm s) Fc e  beyond 20 um          Fh within s Fc of M w + f + d; within 0.4 of that to begin with
 //! at rest    g = f (Fh - 50/s M/A v - F)                 neither K v nor what the flow observer missed; f/8 while nothing moves
 //! ```
 //!
@@ -9,13 +9,14 @@
 //! no load that stands: it only bends what holds it. With its valve left to the force alone the air is a spring that takes energy
 //! away, and the second term takes more. So a load at rest does not swing, whatever friction is, and whatever error is left.
 //!
-//! A load that turns more than twice after the end of its way is on friction that gives way like a spring, or on a model that is
+//! A load that has not come to rest 100 ms after the end of its way sets off again: it swings about another place than its target.
+//! One that turns more than twice after the end of its way is on friction that gives way like a spring, or on a model that is
 //! wrong. Each further turn lets it rest twice as far from its target, at first within 40 um, at last within 0.64 mm. What was
 //! learned so is kept until the next start. A load that has come to stand 0.2 mm off its target is moved once more, four times at
 //! most, and pushed with the stiction; one that moves farther off than 0.9 mm, or without bristles by 60 um, sets off again.
 
 use super::motion::Motion;
-use super::number::{product, ratio, samples, within};
+use super::number::{product, samples, within};
 use crate::fixed::quotient;
 use crate::parameters::{Parameters, id};
 
@@ -29,10 +30,11 @@ const TRIES: u32 = 4;
 /// Thresholds and rates.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Constants {
-    /// 6, 10 and 30 ms, samples.
+    /// 6, 10, 30 and 100 ms, samples.
     still: u32,
     asleep: u32,
     settled: u32,
+    pub(super) overdue: u32,
     /// 3 and 5 mm/s, Q16.
     turning: i32,
     pub(super) slow: i32,
@@ -69,12 +71,15 @@ impl Constants {
     pub(super) fn of(parameters: &Parameters, period_us: u32, count_pm: u64, speed: i32) -> Constants {
         let counts = |um: u64| quotient(um * 1_000_000, count_pm) as u32;
         let period = u64::from(period_us);
-        let acceleration = u64::from(parameters.scalar(id::CASCADE_ACCELERATION).unsigned_abs());
+        let friction = [id::CASCADE_COULOMB_EXTEND, id::CASCADE_COULOMB_RETRACT];
+        let [extend, retract] = friction.map(|id| u64::from(parameters.scalar(id).unsigned_abs()));
+        let coulomb = (extend + retract) / 2;
         let most = |value: u64| value.min(1 << 30) as i32;
         Constants {
             still: samples(6000, period_us).max(4),
             asleep: samples(10_000, period_us),
             settled: samples(30_000, period_us),
+            overdue: samples(100_000, period_us),
             turning: product(speed, 197, 16),
             slow: product(speed, 328, 16),
             close: counts(20),
@@ -83,8 +88,8 @@ impl Constants {
             off: counts(200).max(2),
             away: counts(900),
             damper: most(quotient(3277 * period, 1000)),
-            // 5e4/s^3 T^3/A in Q32.
-            pull: most(ratio(14 * period * period * period, acceleration)),
+            // 16/(mm s) Fc T x in Q32, x: a count in pm.
+            pull: most(quotient(quotient(coulomb * count_pm, 1_000_000) * 4096 * period, 1_000_000_000)),
             least: most(quotient(604 * period, 1000)),
         }
     }

@@ -85,7 +85,7 @@ impl Plan {
             Phase::Move => {
                 self.way.k += 1.0;
                 let over = self.way.k - self.way.length;
-                if self.stops && over >= 0.0 {
+                if over >= 0.0 && (self.stops || over > c.samples(0.1)) {
                     self.set_off(seen);
                 } else if over >= 0.0 && self.has_come(seen, over, error.abs()) {
                     self.rest(seen);
@@ -101,7 +101,7 @@ impl Plan {
                     self.set_off(seen);
                     return;
                 }
-                let pull = 5e4 * c.period.powi(3) / c.acceleration;
+                let pull = 16e3 * c.period * c.count * c.coulomb.iter().sum::<f64>() / 2.0;
                 let change = if error.abs() > c.counts(20e-6) { pull * error } else { 0.0 };
                 self.phase = Phase::Rest { held: seen.within_friction(held + change, centre, 1.0), centre };
             }
