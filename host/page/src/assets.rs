@@ -26,6 +26,7 @@ pub const ASSETS: &[(&str, &str, &str)] = &[
     asset!("studio.js", SCRIPT),
     asset!("server.js", SCRIPT),
     asset!("answer.js", SCRIPT),
+    asset!("header.js", SCRIPT),
     asset!("history.js", SCRIPT),
     asset!("simulation.js", SCRIPT),
     asset!("inspector.js", SCRIPT),

@@ -12,6 +12,9 @@ const LEGEND = 168;
 const BOTTOM = 22;
 const GAP = 10;
 
+/** A graph is no lower than this, pixels: below it, its legend and its ticks do not fit. */
+const LEAST = 140;
+
 /** The graphs. `callbacks.cursor(time)` hears where the cursor stands, s. */
 export class Plot {
   #element;
@@ -109,6 +112,7 @@ export class Plot {
   }
 
   #draw() {
+    this.#makeRoom();
     this.#size ??= { width: this.#element.clientWidth, height: this.#element.clientHeight };
     this.#palette ??= colours(this.#element);
     // A view that is hidden has no size, and nothing is drawn in it.
@@ -120,9 +124,19 @@ export class Plot {
     return this.#size !== null && this.#size.width > 0 && this.#size.height > 0;
   }
 
+  get #panels() {
+    return PANELS.filter((panel) => this.#shown.has(panel.id) && isThere(panel, this.#runs));
+  }
+
+  /** Makes room for the graphs that are shown: the page scrolls. */
+  #makeRoom() {
+    const least = `${BOTTOM + this.#panels.reduce((sum, panel) => sum + LEAST * panel.height, 0)}px`;
+    if (this.#element.style.minHeight !== least) this.#element.style.minHeight = least;
+  }
+
   /** Draws all graphs that are shown; tells where they are. */
   #drawPanels(context, { width, height }, palette) {
-    const panels = PANELS.filter((panel) => this.#shown.has(panel.id) && isThere(panel, this.#runs));
+    const panels = this.#panels;
     const view = { ...this.view, colours: palette };
     view.ticks = ticks(view.from, view.to, (width - LEFT - LEGEND) / 90);
     const share = (height - BOTTOM) / panels.reduce((sum, panel) => sum + panel.height, 0);
@@ -243,6 +257,8 @@ export class Plot {
     element.addEventListener('pointercancel', () => { this.#drag = null; });
     element.addEventListener('dblclick', () => this.zoom());
     element.addEventListener('wheel', (event) => {
+      // Without Control the wheel moves the page, which is longer than the window.
+      if (!event.ctrlKey) return;
       event.preventDefault();
       this.#zoomBy(1.2 ** Math.sign(event.deltaY), this.#timeAt(event));
     }, { passive: false });

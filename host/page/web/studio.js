@@ -5,7 +5,8 @@ import { componentOf } from './components.js';
 import { isAsking } from './dialog.js';
 import { askForOther, showDifferences } from './difference.js';
 import { copyFrom } from './export.js';
-import { showAlone, showDeviations, showJudged } from './figures.js';
+import { Figures } from './figures.js';
+import { measureHeader } from './header.js';
 import { History, settingOf } from './history.js';
 import { chosenFiles, chosenFolder, dropped } from './incoming.js';
 import { Inspector } from './inspector.js';
@@ -46,6 +47,7 @@ class Studio {
   #kept = null;
   #ghosts = [];
   #runs = new Runs(part('runs'));
+  #figures = new Figures(part('verdict'), part('figures'));
   /** Where the values of the rig come from: how many are given, computed, typical, and so on. */
   #origins = '';
   /** What has just been done. */
@@ -119,7 +121,7 @@ class Studio {
     this.#origins = '';
     part('command').value = '';
     this.#state = { ...this.#state, values: {}, used: new Set() };
-    part('figures').replaceChildren();
+    this.#figures.clear();
     if (!this.commission.follows) {
       this.plot.show([]);
       say(part('readout'), '');
@@ -166,6 +168,8 @@ class Studio {
   }
 
   #checked(found) {
+    // The rig that was checked may be one of a moment ago.
+    this.#state.changed = new Set(settings.map((setting) => setting.slice(0, setting.indexOf('='))));
     this.#state.problems = found.problems;
     if (found.values) {
       this.#state = { ...this.#state, values: found.values, used: new Set(found.used) };
@@ -202,7 +206,7 @@ class Studio {
     if (this.#history.isKept(rig.settings)) this.#kept = this.#run;
     if (!this.commission.follows) this.picture.follow(this.#run);
     this.#show(() => measureChange(since));
-    showAlone(part('figures'), head);
+    this.#figures.showAlone(head);
     this.records.outdate();
     this.#moveTo(this.plot.cursor);
   }
@@ -215,7 +219,7 @@ class Studio {
     // The run itself, which may be the kept one.
     this.#run.band = time.length ? band : undefined;
     this.#show();
-    showJudged(part('figures'), head, this.#run.head.fault);
+    this.#figures.showJudged(head, this.#run.head.fault);
     this.records.compareAgain();
   }
 
@@ -282,7 +286,7 @@ class Studio {
 
   #recordsChanged() {
     this.#show();
-    showDeviations(part('figures'), this.records.all.map(({ deviation }) => deviation));
+    this.#figures.showDeviations(this.records.all.map(({ deviation }) => deviation));
     this.study?.show();
     this.commission.recordsChanged();
   }
@@ -296,7 +300,7 @@ class Studio {
   /** What a report says beside its graphs. */
   #described() {
     const command = part('command').value;
-    return { title: `${this.#state.rig}: one test`, origins: this.#origins, figures: part('figures').children, command };
+    return { title: `${this.#state.rig}: one test`, origins: this.#origins, figures: this.#figures.copies(), command };
   }
 
   #showSpectra() {
@@ -380,12 +384,13 @@ class Studio {
   }
 }
 
+  measureHeader(document.querySelector('header'));
 async function begin() {
   const [keys, rigs, port] = await Promise.all([get('/api/keys'), get('/api/rigs'), get('/api/port')]);
   const { opened, builtin } = rigs;
   const isFile = !builtin.some(({ name }) => name === opened.name);
   const option = ({ name, about }) => html('option', { value: name, title: about, selected: name === opened.name }, name);
-  part('rigs').append(...(isFile ? [html('option', { selected: true, disabled: true }, opened.name)] : []), ...builtin.map(option));
+  part('rigs').append(...(isFile ? [html('option', { selected: true, disabled: true, title: opened.name }, opened.name.split(/[\\/]/).at(-1))] : []), ...builtin.map(option));
   const studio = new Studio(keys, builtin.map(({ name }) => name));
   // For measurements.
   window.studio = studio;

@@ -1,8 +1,8 @@
 // The views of the page: which parts each of them shows.
 
 const VIEWS = {
-  design: ['drive', 'inspector', 'figures', 'same'],
-  commission: ['drive', 'commission', 'figures', 'same'],
+  design: ['verdict', 'drive', 'inspector', 'figures', 'same'],
+  commission: ['verdict', 'drive', 'commission', 'figures', 'same'],
   study: ['exhibit', 'study'],
 };
 
