@@ -30,6 +30,7 @@ pub const ASSETS: &[(&str, &str, &str)] = &[
     asset!("history.js", SCRIPT),
     asset!("simulation.js", SCRIPT),
     asset!("inspector.js", SCRIPT),
+    asset!("key-list.js", SCRIPT),
     asset!("field.js", SCRIPT),
     asset!("slider.js", SCRIPT),
     asset!("picture.js", SCRIPT),

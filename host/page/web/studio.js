@@ -40,7 +40,7 @@ class Studio {
   #names;
   #rig = { name: '', text: '' };
   #history = new History();
-  #state = { used: new Set(), values: {}, fileValues: {}, problems: [], settings: {}, rig: '' };
+  #state = { used: new Set(), values: {}, fileValues: {}, problems: [], changed: new Set(), rig: '' };
   #chosen = 'controller';
   #run = null;
   /** The run of the last change that is done: no movement of a slider is about to replace it. */
@@ -61,7 +61,7 @@ class Studio {
     this.picture = new Picture(part('picture'), changes);
     this.plot = new Plot(part('plot'), { cursor: (time) => this.#moveTo(time) });
     this.simulation = new Simulation({
-      check: (found) => this.#checked(found),
+      check: (found, rig) => this.#checked(found, rig),
       run: (result, rig, since) => this.#simulated(result, rig, since),
       ensemble: (result) => this.#judged(result),
       failed: (error) => this.#failed(error),
@@ -137,7 +137,6 @@ class Studio {
   }
 
   #simulate(since) {
-    this.#state.settings = this.#history.settings;
     part('undo').disabled = !this.#history.canUndo;
     part('redo').disabled = !this.#history.canRedo;
     this.simulation.ask(this.#asked(), since);
@@ -167,10 +166,10 @@ class Studio {
     this.#show();
   }
 
-  #checked(found) {
+  #checked(found, { settings }) {
+    this.#state.problems = found.problems;
     // The rig that was checked may be one of a moment ago.
     this.#state.changed = new Set(settings.map((setting) => setting.slice(0, setting.indexOf('='))));
-    this.#state.problems = found.problems;
     if (found.values) {
       this.#state = { ...this.#state, values: found.values, used: new Set(found.used) };
       this.picture.describe(found.values);
@@ -375,7 +374,7 @@ class Studio {
   #key(event) {
     const { key, shiftKey } = event;
     if (!(event.ctrlKey || event.metaKey) || isAsking()) return;
-    const isTyping = event.target.matches('input[type=text]');
+    const isTyping = event.target.matches('input[type=text], input[type=search]');
     const actions = { s: () => this.#save() };
     if (!isTyping) actions[shiftKey ? 'Z' : 'z'] = () => this.#travel(() => (shiftKey ? this.#history.redo() : this.#history.undo()));
     if (!(key in actions)) return;
@@ -384,8 +383,8 @@ class Studio {
   }
 }
 
-  measureHeader(document.querySelector('header'));
 async function begin() {
+  measureHeader(document.querySelector('header'));
   const [keys, rigs, port] = await Promise.all([get('/api/keys'), get('/api/rigs'), get('/api/port')]);
   const { opened, builtin } = rigs;
   const isFile = !builtin.some(({ name }) => name === opened.name);
