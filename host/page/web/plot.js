@@ -66,6 +66,11 @@ export class Plot {
     return this.#shown.has(id);
   }
 
+  /** Which graphs are shown, of all that there may be. */
+  get shown() {
+    return PANELS.map(({ id }) => id).filter((id) => this.#shown.has(id));
+  }
+
   /** Shows a graph or hides it. */
   toggle(id) {
     if (!this.#shown.delete(id)) this.#shown.add(id);

@@ -8,9 +8,9 @@ import { copyFrom } from './export.js';
 import { Figures } from './figures.js';
 import { measureHeader } from './header.js';
 import { History, settingOf } from './history.js';
-import { chosenFiles, chosenFolder, dropped } from './incoming.js';
 import { Inspector } from './inspector.js';
 import { measureChange } from './measures.js';
+import { Opening } from './opening.js';
 import { Picture } from './picture.js';
 import { Player } from './player.js';
 import { Plot } from './plot.js';
@@ -25,7 +25,7 @@ import { StateLine } from './state-line.js';
 import { Study } from './study.js';
 import { html, say } from './svg.js';
 import { Toolbar } from './toolbar.js';
-import { choose, offerViews } from './views.js';
+import { choose, offerViews, showAddressed } from './views.js';
 
 const part = (id) => document.getElementById(id);
 
@@ -36,8 +36,6 @@ const MAX_GHOSTS = 6;
 
 class Studio {
   #keys;
-  /** The rigs that come with the program. */
-  #names;
   #rig = { name: '', text: '' };
   #history = new History();
   #state = { used: new Set(), values: {}, fileValues: {}, problems: [], changed: new Set(), rig: '' };
@@ -53,9 +51,14 @@ class Studio {
   /** What has just been done. */
   #news = '';
 
-  constructor(keys, names) {
+  constructor(keys, rigs) {
     this.#keys = keys;
-    this.#names = names;
+    this.opening = new Opening(rigs, {
+      open: (...rig) => this.open(...rig),
+      lay: (content) => this.records.lay(content),
+      went: (address) => this.#went(address),
+      failed: (error) => this.#failed(error),
+    });
     const changes = { changed: (...change) => this.#change(...change), chosen: (id) => this.#choose(id) };
     this.inspector = new Inspector(part('inspector'), keys, changes);
     this.picture = new Picture(part('picture'), changes);
@@ -96,12 +99,20 @@ class Studio {
     this.#listen();
   }
 
-  /** Begins with a rig; `news` is told until something is changed. */
-  async open(rig, news = '') {
+  /** Shows the view and the graphs of the address. */
+  #went({ view, graphs }) {
+    showAddressed(view);
+    if (graphs) this.toolbar.showOnly(graphs);
+    this.study.show();
+  }
+
+  /** Begins with a rig and the changes to it; `news` is told until something is changed. */
+  async open(rig, news = '', history = new History()) {
     this.simulation.giveUp();
     this.#rig = rig;
     this.#news = news;
-    this.#history = new History();
+    this.#history = history;
+    this.opening.opened(rig, history);
     this.#ghosts = [];
     this.records.clear();
     this.#run = null;
@@ -139,6 +150,7 @@ class Studio {
   #simulate(since) {
     part('undo').disabled = !this.#history.canUndo;
     part('redo').disabled = !this.#history.canRedo;
+    this.opening.changed();
     this.simulation.ask(this.#asked(), since);
   }
 
@@ -280,7 +292,11 @@ class Studio {
   }
 
   #save() {
-    return save(this.#asked(), (saved) => this.open(saved, `${saved.name} is saved`));
+    const before = (path) => {
+      const value = this.#state.fileValues[path];
+      return value ? settingOf(this.#keys.find((key) => key.path === path), value.text) : null;
+    };
+    return save(this.#asked(), (saved) => this.open(saved, `${saved.name} is saved`, this.#history.rebased(before)));
   }
 
   #recordsChanged() {
@@ -311,7 +327,7 @@ class Studio {
 
   /** Holds the rig against another, key by key. */
   async #compareWith() {
-    const name = await askForOther(this.#rig.name, this.#names, () => part('folder').click());
+    const name = await askForOther(this.#rig.name, this.opening.names, () => part('folder').click());
     if (name === null) return;
     try {
       const other = name === '' ? this.#rig : await get(`/api/rigs/${name}`);
@@ -334,41 +350,8 @@ class Studio {
     part('redo').addEventListener('click', () => this.#travel(() => this.#history.redo()));
     part('save').addEventListener('click', () => this.#save());
     part('copy').addEventListener('click', () => copyFrom(part('command'), part('copy')));
-    part('rigs').addEventListener('change', () => this.#openChosen(part('rigs').value));
     part('compare').addEventListener('click', () => this.#compareWith());
-    part('open').addEventListener('click', () => part('file').click());
-    part('file').addEventListener('change', ({ target }) => this.#takeIn(chosenFiles(target.files), target));
-    part('folder').addEventListener('change', ({ target }) => this.#takeIn(chosenFolder(target.files).then((run) => [run]), target));
-    document.addEventListener('dragover', (event) => event.preventDefault());
-    document.addEventListener('drop', (event) => {
-      event.preventDefault();
-      this.#takeIn(dropped(event.dataTransfer));
-    });
     document.addEventListener('keydown', (event) => this.#key(event));
-  }
-
-  /** Opens a rig of the list, unless another one has been chosen or opened meanwhile. */
-  async #openChosen(name) {
-    const before = this.#rig;
-    try {
-      const rig = await get(`/api/rigs/${name}`);
-      if (part('rigs').value === name && this.#rig === before) await this.open(rig);
-    } catch (error) {
-      if (part('rigs').value === name) this.#failed(error);
-    }
-  }
-
-  /** Opens a rig file, and lays records and run folders over the run; `chosen` may be chosen again. */
-  async #takeIn(incoming, chosen = null) {
-    try {
-      for (const content of await incoming) {
-        const isRig = content.text !== undefined && content.name.endsWith('.toml');
-        await (isRig ? this.open(content) : this.records.lay(content));
-      }
-    } catch (error) {
-      this.#failed(error);
-    }
-    if (chosen) chosen.value = '';
   }
 
   #key(event) {
@@ -386,16 +369,12 @@ class Studio {
 async function begin() {
   measureHeader(document.querySelector('header'));
   const [keys, rigs, port] = await Promise.all([get('/api/keys'), get('/api/rigs'), get('/api/port')]);
-  const { opened, builtin } = rigs;
-  const isFile = !builtin.some(({ name }) => name === opened.name);
-  const option = ({ name, about }) => html('option', { value: name, title: about, selected: name === opened.name }, name);
-  part('rigs').append(...(isFile ? [html('option', { selected: true, disabled: true, title: opened.name }, opened.name.split(/[\\/]/).at(-1))] : []), ...builtin.map(option));
-  const studio = new Studio(keys, builtin.map(({ name }) => name));
+  const studio = new Studio(keys, rigs);
   // For measurements.
   window.studio = studio;
   studio.offer(port);
   await studio.study.begin(keys);
-  await studio.open(opened);
+  await studio.opening.begin();
 }
 
 begin().catch((error) => stateLine.show(error.message, true));

@@ -1,5 +1,6 @@
 // The buttons above the graphs: which of them are shown, how records lie over the run, and what is taken away.
 
+import { writeAddress } from './address.js';
 import { offer, toCsv, toFile } from './export.js';
 import { PANELS, isThere } from './panel.js';
 import { ALIGNMENTS } from './records.js';
@@ -11,6 +12,7 @@ export class Toolbar {
   #callbacks;
   #records;
   #align;
+  #toggles = [];
   /** The buttons of graphs that not every run has. */
   #ofLaw = [];
   /** The buttons that need a run. */
@@ -44,12 +46,24 @@ export class Toolbar {
     for (const one of this.#ofRun) one.disabled = run === null;
   }
 
+  /** Shows these graphs and no others. */
+  showOnly(graphs) {
+    for (const { id } of this.#toggles) if (this.#plot.isShown(id) !== graphs.includes(id)) this.#plot.toggle(id);
+    this.#mark();
+  }
+
+  #mark() {
+    for (const { id, toggle } of this.#toggles) toggle.setAttribute('aria-pressed', String(this.#plot.isShown(id)));
+  }
+
   #toggle(panel) {
     const { id } = panel;
     const toggle = button(id, `The graph of ${id}`, () => {
       this.#plot.toggle(id);
-      toggle.setAttribute('aria-pressed', String(this.#plot.isShown(id)));
+      this.#mark();
+      writeAddress({ graphs: this.#plot.shown });
     });
+    this.#toggles.push({ id, toggle });
     toggle.setAttribute('aria-pressed', String(this.#plot.isShown(id)));
     if (panel.ofLaw) this.#ofLaw.push({ panel, toggle });
     return toggle;

@@ -5,6 +5,7 @@ mod browser_access;
 mod browser_commission;
 mod browser_compare;
 mod browser_keys;
+mod browser_memory;
 mod browser_stop;
 mod browser_study;
 mod browser_window;

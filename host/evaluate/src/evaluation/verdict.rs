@@ -9,6 +9,9 @@ use super::{LimitCycle, Move};
 /// A length below this, mm, is none in the digits that are shown.
 const NONE_MM: f64 = 0.005;
 
+/// A drive that ends so near its target is not said to be short of it or beyond, mm.
+const NEAR_MM: f64 = 0.01;
+
 /// The sentence: `settles within 0.05 mm after 0.148 s; overshoots by 0.01 mm; rests 0.02 mm short; 0.61 l of air a move`. `runs` has the
 /// moves of the run and then those of each of its perturbed runs; `tolerance_mm` is that of their settling times.
 #[must_use]
@@ -115,7 +118,7 @@ fn rests(moves: &[InRuns]) -> Option<String> {
 
 /// Where it is, by the least and the most that it is short of its target, mm.
 fn place([least, most]: [f64; 2]) -> String {
-    if least > -NONE_MM && most < NONE_MM {
+    if least >= -NEAR_MM && most <= NEAR_MM {
         "within 0.01 mm of its target".to_owned()
     } else if least > -NONE_MM {
         format!("{} mm short", span([least.max(0.0), most], 2))

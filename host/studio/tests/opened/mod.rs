@@ -30,8 +30,13 @@ pub fn page_with(name: &str, text: &str, port: Option<&str>) -> Browser {
     let address = studio.address();
     std::thread::spawn(move || studio.serve());
     let mut page = Browser::open(&address, LAPTOP);
-    page.wait_until("window.studio?.simulation.isAtRest && document.querySelector('.verdict.converged, .verdict.unconverged')");
+    wait_until_there(&mut page);
     page
+}
+
+/// Waits for the run of a page that was opened, and for what it rests on.
+pub fn wait_until_there(page: &mut Browser) {
+    page.wait_until("window.studio?.simulation.isAtRest && document.querySelector('.verdict.converged, .verdict.unconverged')");
 }
 
 pub fn page() -> Browser {
