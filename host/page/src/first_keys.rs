@@ -66,17 +66,19 @@ pub fn places(key: &Key) -> Value {
 mod tests {
     use super::*;
     use pneudrive_sim::Rig;
+    use pneudrive_sim::rig::all_keys;
+
+    use crate::press;
 
     /// A key that has no effect would not be shown at all.
     #[test]
     fn each_law_has_ten_keys_at_most_and_uses_nearly_all_of_them() {
+        let press = Rig::read("press.toml", &press::text()).expect("a rig");
         for law in Law::ALL {
-            let rig = Rig::builtin("servo-b-tuned").expect("a rig");
             let first = of(*law);
             assert!(first.len() <= 10, "{}: {first:?}", law.word());
-            let Ok(rig) = rig.with_settings(&[format!("controller.law={}", law.word())]) else { continue };
-            let idle =
-                pneudrive_sim::rig::all_keys().filter(|key| first.contains(&key.path) && !rig.uses(key));
+            let rig = press.with_settings(&[format!("controller.law={}", law.word())]).expect("a rig");
+            let idle = all_keys().filter(|key| first.contains(&key.path) && !rig.uses(key));
             let idle: Vec<&str> = idle.map(|key| key.path).collect();
             assert!(idle.len() <= 1, "{}: {idle:?}", law.word());
         }

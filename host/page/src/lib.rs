@@ -33,6 +33,8 @@ pub mod difference;
 pub mod first_keys;
 pub mod keys;
 pub mod page_rig;
+#[cfg(test)]
+mod press;
 pub mod refusal;
 pub mod rigs;
 pub mod simulation;

@@ -72,3 +72,27 @@ fn a_problem_behind_the_click_is_shown() {
     page.wait_until("document.querySelector('#inspector [data-key=\"safety.host_silence_s\"] .problem').checkVisibility()");
     assert_eq!(page.complaints, Vec::<String>::new());
 }
+
+#[test]
+fn the_form_of_a_tuning_begins_with_what_is_searched_under_the_law_of_the_rig() {
+    let (name, text) = own_drive();
+    let mut page = page_of(&name, &text);
+    page.click("#to-study");
+    page.click("#study [data-task=tune]");
+    let size = "['population', 'generations'].map((name) => document.getElementById(`tune-${name}`).value)";
+    page.wait_until(
+        "document.getElementById('study-command').value.includes('--population 8 --generations 6')",
+    );
+    assert_eq!(page.evaluate(size), json!(["8", "6"]));
+    assert!(page.text("#study").contains("Searched: "), "{}", page.text("#study"));
+    page.type_into("#tune-generations", "3");
+    page.wait_until(
+        "document.getElementById('study-command').value.includes('--population 8 --generations 3')",
+    );
+    // A rig with gains has more to look for.
+    page.evaluate("{ const rigs = document.getElementById('rigs'); rigs.value = 'servo-b-tuned'; rigs.dispatchEvent(new Event('change')); }");
+    page.wait_until(
+        "document.getElementById('study-command').value.includes('--population 24 --generations 25')",
+    );
+    assert_eq!(page.complaints, Vec::<String>::new());
+}
