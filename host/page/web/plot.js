@@ -3,6 +3,7 @@
 // The curves lie on one canvas and the cursor on another, so that a cursor that moves draws no curve again.
 
 import { PANELS, drawPanel, isThere } from './panel.js';
+import { inColoursOfPaper, onPrint, toPng } from './paper.js';
 import { placeOf, scaleOf, ticks, tickText } from './scale.js';
 import { html } from './svg.js';
 import { VectorContext } from './vector.js';
@@ -46,6 +47,11 @@ export class Plot {
     matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => {
       this.#palette = null;
       this.#redraw();
+    });
+    onPrint(() => {
+      this.#palette = null;
+      this.#draw();
+      this.#drawMarks();
     });
     this.#listen();
   }
@@ -205,15 +211,13 @@ export class Plot {
     context.globalAlpha = 1;
   }
 
-  /** The graphs as a picture, with the ground of the page. */
-  toPng() {
-    const both = document.createElement('canvas');
-    [both.width, both.height] = [this.#curves.width, this.#curves.height];
-    const context = both.getContext('2d');
-    context.fillStyle = getComputedStyle(this.#element).getPropertyValue('--surface');
-    context.fillRect(0, 0, both.width, both.height);
-    for (const layer of [this.#curves, this.#marks]) context.drawImage(layer, 0, 0);
-    return new Promise((resolve) => { both.toBlob(resolve, 'image/png'); });
+  /** The graphs as a picture under a title, with the ground of the page. */
+  toPng(title) {
+    const style = getComputedStyle(this.#element);
+    const [ground, text] = ['--surface', '--text'].map((name) => style.getPropertyValue(name));
+    const { width, height } = this.#size;
+    const draw = (context) => { for (const layer of [this.#curves, this.#marks]) context.drawImage(layer, 0, 0, width, height); };
+    return toPng([{ width, height, draw }], title, { ground, text });
   }
 
   /** The graphs as an SVG element, in the colours of paper. */
@@ -309,17 +313,6 @@ function drawTime(context, view, { x, box }, height) {
   for (const time of view.ticks) context.fillText(`${tickText(time, step)}`, x(time), height - 6);
   context.textAlign = 'left';
   context.fillText('time, s', box.right + 8, height - 6);
-}
-
-/** Does something while the page has its light colours. */
-function inColoursOfPaper(work) {
-  const { dataset } = document.documentElement;
-  dataset.scheme = 'light';
-  try {
-    return work();
-  } finally {
-    delete dataset.scheme;
-  }
 }
 
 /** The context of a canvas of this size, cleared, in pixels of the page. */

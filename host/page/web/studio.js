@@ -11,6 +11,7 @@ import { History, settingOf } from './history.js';
 import { Inspector } from './inspector.js';
 import { measureChange } from './measures.js';
 import { Opening } from './opening.js';
+import { describePictures } from './paper.js';
 import { Picture } from './picture.js';
 import { Player } from './player.js';
 import { Plot } from './plot.js';
@@ -53,6 +54,7 @@ class Studio {
 
   constructor(keys, rigs) {
     this.#keys = keys;
+    describePictures({ version: rigs.version });
     this.opening = new Opening(rigs, {
       open: (...rig) => this.open(...rig),
       lay: (content) => this.records.lay(content),
@@ -85,6 +87,8 @@ class Studio {
     this.toolbar = new Toolbar(part('channels'), this.plot, this.records, {
       run: () => this.#run,
       name: () => this.#state.rig,
+      title: () => this.#run?.label === 'as in the file' ? 'One test' : `One test, ${this.#run?.label ?? ''}`,
+      picture: () => part('picture'),
       described: () => this.#described(),
       spectrum: () => this.#showSpectra(),
     });
@@ -113,6 +117,7 @@ class Studio {
     this.#news = news;
     this.#history = history;
     this.opening.opened(rig, history);
+    describePictures({ rig: rig.name.split(/[\\/]/).at(-1) });
     this.#ghosts = [];
     this.records.clear();
     this.#run = null;

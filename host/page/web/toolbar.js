@@ -3,6 +3,7 @@
 import { writeAddress } from './address.js';
 import { offer, toCsv, toFile } from './export.js';
 import { PANELS, isThere } from './panel.js';
+import { standalone, withHead } from './paper.js';
 import { ALIGNMENTS } from './records.js';
 import { toReport } from './report.js';
 import { html } from './svg.js';
@@ -18,7 +19,7 @@ export class Toolbar {
   /** The buttons that need a run. */
   #ofRun;
 
-  /** `callbacks` has `run()`, `name()`, `described()` for a report, and `spectrum()`. */
+  /** `callbacks` has `run()`, `name()`, `title()` and `picture()` for pictures, `described()` for a report, and `spectrum()`. */
   constructor(element, plot, records, callbacks) {
     this.#plot = plot;
     this.#records = records;
@@ -32,8 +33,9 @@ export class Toolbar {
       button('whole time', 'All samples of the runs', () => plot.zoom(), 'plain'),
       button('Spectrum…', 'Which frequencies a channel holds, in the part that is in view', () => callbacks.spectrum()),
       csv,
-      button('PNG', 'The graphs as a picture', async () => this.#offer('png', await plot.toPng())),
-      button('SVG', 'The graphs as a drawing, in the colours of paper', () => this.#offer('svg', toFile(plot.toSvg()))),
+      button('PNG', 'The graphs as a picture', async () => this.#offer('png', await plot.toPng(callbacks.title()))),
+      button('SVG', 'The graphs as a drawing, in the colours of paper', () => this.#offer('svg', toFile(withHead(plot.toSvg(), callbacks.title())))),
+      button('Drive', 'The picture of the drive, as it stands at the cursor, as a drawing', () => this.#offer('drive.svg', toFile(withHead(standalone(callbacks.picture()), callbacks.title())))),
       report);
     this.update();
   }

@@ -6,6 +6,7 @@ mod browser_commission;
 mod browser_compare;
 mod browser_keys;
 mod browser_memory;
+mod browser_pictures;
 mod browser_stop;
 mod browser_study;
 mod browser_window;
