@@ -15,7 +15,7 @@ export function chartOf(figure) {
   const ends = endsOf(figure.panels.flatMap((panel) => all(panel, 'x')), figure.logarithmic);
   const panels = figure.panels.map((panel) => panelOf(panel, figure, ends));
   const name = figure.heading || figure.panels[0]?.title || 'graph';
-  const save = html('button', { type: 'button', class: 'save-picture', 'aria-label': `Save the picture: ${name}` }, 'PNG');
+  const save = html('button', { type: 'button', class: 'save-picture', title: 'Save the picture', 'aria-label': `PNG: ${name}` }, 'PNG');
   save.addEventListener('click', async () => offer(`${name.replace(/[^\w-]+/g, '-')}.png`, await toPng([...panels.map(partOf), words(figure.across)], name, coloursOf(save), 2)));
   return html('figure', {}, html('figcaption', {}, figure.heading ?? '', save), ...panels, html('p', { class: 'across' }, figure.across));
 }

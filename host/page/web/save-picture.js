@@ -6,7 +6,7 @@ import { html } from './svg.js';
 
 /** Saves an SVG element with a title, in the colours of paper. */
 export function saveButton(drawing, title) {
-  const button = html('button', { type: 'button', class: 'save-picture', 'aria-label': `Save the picture: ${title}` }, 'SVG');
+  const button = html('button', { type: 'button', class: 'save-picture', title: 'Save the picture', 'aria-label': `SVG: ${title}` }, 'SVG');
   button.addEventListener('click', () => offer(`${title.replace(/[^\w-]+/g, '-')}.svg`, toFile(withHead(standalone(drawing), title))));
   return button;
 }

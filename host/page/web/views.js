@@ -24,6 +24,7 @@ export function showAddressed(view = 'design') {
 
 function show(view) {
   for (const id of new Set(Object.values(VIEWS).flat())) part(id).hidden = !VIEWS[view].includes(id);
+  document.body.dataset.view = view;
   for (const name of Object.keys(VIEWS)) part(`to-${name}`).setAttribute('aria-pressed', String(name === view));
 }
 
