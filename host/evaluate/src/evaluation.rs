@@ -26,6 +26,7 @@ mod noise;
 mod other_rig;
 mod swings;
 mod table;
+mod verdict;
 
 pub use air::{Air, Chambers};
 pub use figures::to_json;
@@ -33,6 +34,7 @@ pub use limit_cycle::{Doubt, LimitCycle, Oscillation};
 pub use motion::Motion;
 pub use other_rig::refuse_other_rig;
 pub use table::{remarks, table};
+pub use verdict::verdict;
 
 use pneudrive_sim::{Rig, Run};
 

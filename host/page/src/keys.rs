@@ -3,6 +3,8 @@
 use pneudrive_sim::rig::{Key, Kind, all_keys, chooser, preset_in_words, range_in_words, unit};
 use serde_json::{Value, json};
 
+use crate::first_keys;
+
 /// Every key, in the order of `rig explain`.
 #[must_use]
 pub fn table() -> Value {
@@ -26,6 +28,8 @@ fn one(key: &'static Key) -> Value {
         "kind": kind(&key.kind),
         "models": key.models,
         "chooser": chooser(key).map(|chooser| chooser.path),
+        // Its place among the keys of the controller that are set first, by the law.
+        "first": first_keys::places(key),
     })
 }
 

@@ -30,8 +30,11 @@ pub mod check;
 pub mod columns;
 pub mod compare;
 pub mod difference;
+pub mod first_keys;
 pub mod keys;
 pub mod page_rig;
+#[cfg(test)]
+mod press;
 pub mod refusal;
 pub mod rigs;
 pub mod simulation;

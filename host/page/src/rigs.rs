@@ -33,12 +33,12 @@ impl Opened {
     }
 }
 
-/// The built-in rigs, and the one that was opened.
+/// The built-in rigs, the one that was opened, and the version of the program.
 #[must_use]
 pub fn list(opened: &Opened) -> Value {
     let about = |text: &str| text.lines().next().unwrap_or("").trim_start_matches("# ").to_owned();
     let builtin = BUILTIN.iter().map(|(name, text)| json!({ "name": name, "about": about(text) }));
-    json!({ "builtin": builtin.collect::<Vec<_>>(), "opened": opened })
+    json!({ "builtin": builtin.collect::<Vec<_>>(), "opened": opened, "version": env!("CARGO_PKG_VERSION") })
 }
 
 /// A rig to be saved.

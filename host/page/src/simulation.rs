@@ -2,7 +2,7 @@
 
 use http::StatusCode;
 use pneudrive_evaluate::cancel::CancelToken;
-use pneudrive_evaluate::evaluation::{Move, TOLERANCE_MM, moves_of_run, remarks, table};
+use pneudrive_evaluate::evaluation::{Move, TOLERANCE_MM, moves_of_run, remarks, table, verdict};
 use pneudrive_optimise::ensemble::{Ensemble, run_ensemble};
 use pneudrive_optimise::positioning::beside_bound;
 use pneudrive_records::band::{Band, CHANNELS};
@@ -71,6 +71,7 @@ pub fn nominal(asked: &PageRig) -> Result<Vec<u8>, HttpRefusal> {
     let head = json!({
         "summary": words::summary(&rig, &run),
         "fault": fault(&rig, &run),
+        "verdict": verdict(&moves, TOLERANCE_MM),
         "figures": to_json(&table(&moves, TOLERANCE_MM)),
         "bits": format!("{:016x}", run.bits()),
     });
@@ -162,6 +163,7 @@ fn band(rig: &Rig, ensemble: &Ensemble<Vec<Move>>) -> Vec<u8> {
     let head = json!({
         "notes": words::run(rig, judged),
         "converged": judged.convergence.is_converged(),
+        "verdict": verdict(&ensemble.measured, TOLERANCE_MM),
         "figures": to_json(&table(&ensemble.measured, TOLERANCE_MM)),
         "remarks": remarks,
     });

@@ -1,5 +1,7 @@
 // A figure of a report: panels over one axis, each on a canvas, with a legend.
 
+import { offer } from './export.js';
+import { onPrint, toPng } from './paper.js';
 import { scaleOf, ticks, tickText } from './scale.js';
 import { html } from './svg.js';
 
@@ -12,9 +14,47 @@ const SIZE = { width: 860, height: 190, left: 64, right: 12, top: 8, bottom: 22 
 export function chartOf(figure) {
   const ends = endsOf(figure.panels.flatMap((panel) => all(panel, 'x')), figure.logarithmic);
   const panels = figure.panels.map((panel) => panelOf(panel, figure, ends));
-  return html('figure', {}, ...(figure.heading ? [html('figcaption', {}, figure.heading)] : []),
-    ...panels, html('p', { class: 'across' }, figure.across));
+  const name = figure.heading || figure.panels[0]?.title || 'graph';
+  const save = html('button', { type: 'button', class: 'save-picture', title: 'Save the picture', 'aria-label': `PNG: ${name}` }, 'PNG');
+  save.addEventListener('click', async () => offer(`${name.replace(/[^\w-]+/g, '-')}.png`, await toPng([...panels.map(partOf), words(figure.across)], name, coloursOf(save), 2)));
+  return html('figure', {}, html('figcaption', {}, figure.heading ?? '', save), ...panels, html('p', { class: 'across' }, figure.across));
 }
+
+function coloursOf(element) {
+  const style = getComputedStyle(element);
+  return { ground: style.getPropertyValue('--surface'), text: style.getPropertyValue('--text') };
+}
+
+/** A line of words in a picture. */
+function words(text, height = 20) {
+  return { width: SIZE.width, height, draw: (context) => {
+    context.font = '12px system-ui, sans-serif';
+    context.fillText(text, SIZE.left, height - 6);
+  } };
+}
+
+/** A panel as a part of a picture: its title, its canvas, its legend. */
+function partOf(panel) {
+  const [title, canvas, ...entries] = panel.querySelectorAll('h4, canvas, li');
+  const height = 20 + SIZE.height + 20;
+  return { width: SIZE.width, height, draw: (context) => {
+    words(title.textContent).draw(context);
+    context.drawImage(canvas, 0, 20, SIZE.width, SIZE.height);
+    let x = SIZE.left;
+    for (const entry of entries) {
+      context.fillStyle = entry.firstChild.style.color;
+      context.fillRect(x, height - 11, 12, 3);
+      context.fillStyle = getComputedStyle(entry).color;
+      context.fillText(entry.lastChild.textContent, x + 16, height - 6);
+      x += 34 + context.measureText(entry.lastChild.textContent).width;
+    }
+  } };
+}
+
+/** How each canvas is drawn again: in other colours while it is printed. */
+const REDRAW = new WeakMap();
+
+onPrint(() => document.querySelectorAll('figure canvas').forEach((canvas) => REDRAW.get(canvas)?.()));
 
 function all({ curves, bands }, axis) {
   const names = axis === 'x' ? ['x'] : ['low', 'high'];
@@ -39,15 +79,24 @@ function endsOf(lists, isLogarithmic) {
 
 function panelOf(panel, figure, across) {
   const canvas = html('canvas', { width: 2 * SIZE.width, height: 2 * SIZE.height, role: 'img', 'aria-label': `${panel.title}, ${figure.heading}` });
-  const coloured = panel.curves.map((curve, k) => ({ ...curve, colour: onGround(curve.colour ?? COLOURS[k % COLOURS.length]) }));
-  const bands = panel.bands.map((band) => ({ ...band, colour: onGround(band.colour) }));
-  draw(canvas.getContext('2d'), { ...panel, curves: coloured, bands }, figure, across);
+  const inColours = () => ({
+    curves: panel.curves.map((curve, k) => ({ ...curve, colour: onGround(curve.colour ?? COLOURS[k % COLOURS.length]) })),
+    bands: panel.bands.map((band) => ({ ...band, colour: onGround(band.colour) })),
+  });
+  const redraw = () => {
+    canvas.width = 2 * SIZE.width;
+    draw(canvas.getContext('2d'), { ...panel, ...inColours() }, figure, across);
+  };
+  REDRAW.set(canvas, redraw);
+  redraw();
+  const { curves: coloured, bands } = inColours();
   return html('div', { class: 'panel' }, html('h4', {}, panel.title), canvas, legend([...bands, ...coloured]));
 }
 
 /** A colour of a printed report, lighter where the ground is dark. */
 function onGround(colour) {
-  if (!matchMedia('(prefers-color-scheme: dark)').matches) return colour;
+  const isLight = document.documentElement.dataset.scheme === 'light' || !matchMedia('(prefers-color-scheme: dark)').matches;
+  if (isLight) return colour;
   const parts = [1, 3, 5].map((at) => Number.parseInt(colour.slice(at, at + 2), 16));
   return `rgb(${parts.map((part) => Math.round(part + 0.5 * (255 - part))).join(' ')})`;
 }

@@ -3,6 +3,11 @@
 import { sliderFor } from './slider.js';
 import { html, say } from './svg.js';
 
+/** What a key means, and its name in the thesis if it has one there. */
+function hoverOf({ meaning, thesis }) {
+  return thesis ? `${meaning}\nIn the thesis: ${thesis}` : meaning;
+}
+
 /** A field. `callbacks.changed(key, text, isDone)` hears of every change; text null: back to the file's value. */
 export class Field {
   #key;
@@ -24,7 +29,7 @@ export class Field {
     this.#reset.setAttribute('aria-label', `${key.name}: back to the value of the file`);
     this.#reset.addEventListener('click', () => callbacks.changed(key, null, true));
     this.element = html('div', { class: 'field', 'data-key': key.path },
-      html('label', { for: id }, key.name || key.path), this.#sliderOf(fileValue), this.#input,
+      html('label', { for: id, title: hoverOf(key) }, key.name || key.path), this.#sliderOf(fileValue), this.#input,
       html('span', { class: 'unit' }, key.unit), this.#origin, this.#reset, this.#problem, this.#help(id));
     this.show(value, false);
   }
@@ -38,8 +43,9 @@ export class Field {
     }
     const origin = isChanged ? 'changed' : (value?.origin ?? 'none');
     say(this.#origin, origin);
-    this.#origin.title = isChanged ? 'set on this page' : (value?.origin_in_words ?? this.#key.preset);
+    this.#origin.title = isChanged ? 'changed from the file, on this page' : (value?.origin_in_words ?? this.#key.preset);
     this.#origin.className = `origin ${origin}`;
+    this.element.classList.toggle('changed', isChanged);
     this.#reset.hidden = !isChanged;
   }
 

@@ -1,42 +1,68 @@
-// The figures of the moves, and what they rest on.
+// What the drive does, in a sentence; what that rests on, behind a click; and the figures of the moves.
 
 import { html } from './svg.js';
 
-/** Shows figures that rest on one run, while its members are computed. */
-export function showAlone(element, { figures, fault }) {
-  element.replaceChildren(verdict('pending', 'One run', 'its perturbed runs are being computed'), ...tripped(fault), tableOf(figures, true));
-}
+/** The elements of the figures: `verdict`, whose summary is the sentence, and `table`. */
+export class Figures {
+  #verdict;
+  #table;
 
-/** Shows figures with their ranges over the run and its members, and whether the run has converged. */
-export function showJudged(element, { figures, notes, converged, remarks }, fault) {
-  const [, convergence, ...others] = notes;
-  const [word, why] = split(convergence);
-  const sentences = [...others.map((note) => `${note}.`), ...remarks].map((text) => html('p', { class: 'remark' }, text));
-  element.replaceChildren(verdict(converged ? 'converged' : 'unconverged', word, why), ...tripped(fault), tableOf(figures, false), ...sentences);
-}
+  constructor(verdict, table) {
+    [this.#verdict, this.#table] = [verdict, table];
+    this.clear();
+  }
 
-/** Shows how far the simulation is from the records that lie over it, below the figures of the moves. */
-export function showDeviations(element, tables) {
-  element.querySelectorAll('table.deviation').forEach((table) => table.remove());
-  for (const table of tables) {
-    const shown = tableOf(table, false);
-    shown.className = 'deviation';
-    element.append(shown);
+  /** Takes away what is of the rig before. */
+  clear() {
+    this.#verdict.replaceChildren();
+    this.#table.replaceChildren();
+  }
+
+  /** Shows figures that rest on one run, while its members are computed. */
+  showAlone({ verdict, figures, fault }) {
+    this.#tell('pending', 'One run', verdict, fault, ['The perturbed runs of this run are being computed.']);
+    this.#table.replaceChildren(tableOf(figures, true));
+  }
+
+  /** Shows figures with their ranges over the run and its members, and whether the run has converged. */
+  showJudged({ verdict, figures, notes, converged, remarks }, fault) {
+    const [run, convergence, ...others] = notes;
+    const doubt = converged ? '' : convergence.split(': ')[0];
+    this.#tell(converged ? 'converged' : 'unconverged', doubt, verdict, fault, [convergence, ...others, run].map((note) => `${note}.`), remarks);
+    this.#table.replaceChildren(tableOf(figures, false));
+  }
+
+  /** Shows how far the simulation is from the records that lie over it, below the figures of the moves. */
+  showDeviations(tables) {
+    this.#table.querySelectorAll('table.deviation').forEach((table) => table.remove());
+    for (const table of tables) {
+      const shown = tableOf(table, false);
+      shown.className = 'deviation';
+      this.#table.append(shown);
+    }
+  }
+
+  /** Copies for a report, with what the figures rest on. */
+  copies() {
+    const copy = this.#verdict.cloneNode(true);
+    copy.open = true;
+    return [copy, ...[...this.#table.children].map((element) => element.cloneNode(true))];
+  }
+
+  /** First what makes the figures doubtful, then what the drive does. */
+  #tell(kind, doubt, verdict, fault, basis, remarks = []) {
+    const trip = fault ? `tripped at ${fault.at_s.toFixed(4)} s: ${fault.name}, ${fault.meaning}` : '';
+    const first = [doubt, trip].filter(Boolean).map((text) => html('strong', {}, `${sentence(text)}. `));
+    const isUnsound = kind === 'unconverged' || trip !== '';
+    this.#verdict.className = `verdict ${kind}${isUnsound ? ' doubtful' : ''}`;
+    this.#verdict.replaceChildren(html('summary', {}, ...first, html('span', { class: 'says' }, `${sentence(verdict)}.`)),
+      ...[...basis, ...remarks].map((text) => html('p', { class: 'remark' }, sentence(text))));
   }
 }
 
-function split(convergence) {
-  const at = convergence.indexOf(': ');
-  return at < 0 ? [convergence, ''] : [convergence.slice(0, at), convergence.slice(at + 2)];
-}
-
-function verdict(kind, word, why) {
-  return html('p', { class: `verdict ${kind}` }, html('strong', {}, word), ` ${why}`);
-}
-
-function tripped(fault) {
-  if (!fault) return [];
-  return [html('p', { class: 'verdict unconverged' }, html('strong', {}, `tripped at ${fault.at_s.toFixed(4)} s: ${fault.name}`), ` ${fault.meaning}`)];
+/** With a capital. */
+function sentence(text) {
+  return text.charAt(0).toUpperCase() + text.slice(1);
 }
 
 /** A table as the answers have it. */

@@ -7,6 +7,38 @@ export class History {
   #kept = {};
   settings = {};
 
+  /** One that was told before, or an empty one. */
+  static from(told) {
+    const made = new History();
+    if (told) [made.#past, made.#future, made.#kept, made.settings] = [told.past, told.future, told.settings, told.settings];
+    return made;
+  }
+
+  /** Everything of it, to be kept elsewhere; null if nothing was changed. */
+  get told() {
+    if (Object.keys(this.settings).length === 0 && !this.canUndo && this.#future.length === 0) return null;
+    const isKept = JSON.stringify(this.settings) === JSON.stringify(this.#kept);
+    return { past: isKept ? this.#past : [...this.#past, this.#kept], future: this.#future, settings: this.settings };
+  }
+
+  /**
+   * The same steps, told as changes to a file that has the present settings in it. `before(path)` is the setting that a key had in the
+   * old file, null where it had none: undo goes back no further than that.
+   */
+  rebased(before) {
+    const saved = Object.keys(this.settings);
+    const step = (settings) => {
+      const back = saved.filter((path) => !(path in settings)).map((path) => [path, before(path)]);
+      if (back.some(([, setting]) => setting === null)) return null;
+      const others = Object.entries(settings).filter(([path, setting]) => setting !== this.settings[path]);
+      return Object.fromEntries([...others, ...back]);
+    };
+    const past = this.#past.map(step);
+    const made = new History();
+    made.#past = past.slice(past.lastIndexOf(null) + 1);
+    return made;
+  }
+
   /** Gives a key a value, as it is typed; null: that of the file. The step ends with `keep`. */
   set(path, text) {
     const { [path]: _, ...others } = this.settings;

@@ -1,6 +1,7 @@
 // The points of a sweep as lines across parallel axes: what varies, and what was found.
 
 import { Axis, BOTTOM, NONE, TOP } from './axis.js';
+import { saveButton } from './save-picture.js';
 import { html, place, say, svg } from './svg.js';
 
 const WIDTH = 860;
@@ -37,9 +38,10 @@ export function parallelOf({ rows, best }) {
   select();
   const thick = bestOne.length ? '; the thick one is the best' : '';
   const dashed = places.some(isDoubtful) ? '; dashed: not converged, tripped, failed, or breaks a constraint' : '';
-  return html('figure', { class: 'parallel' }, html('figcaption', {}, `Each line is a point${thick}${dashed}`),
-    svg('svg', { viewBox: `0 0 ${WIDTH} ${BOTTOM + NONE + TOP / 4}`, role: 'group', 'aria-label': 'Points over parallel axes' },
-      all, others, selected, doubted, ...bestOne, ...names, ...none, ...axes.map(({ element }) => element)),
+  const drawn = svg('svg', { viewBox: `0 0 ${WIDTH} ${BOTTOM + NONE + TOP / 4}`, role: 'group', 'aria-label': 'Points over parallel axes' },
+    all, others, selected, doubted, ...bestOne, ...names, ...none, ...axes.map(({ element }) => element));
+  const title = `Each line is a point${thick}${dashed}`;
+  return html('figure', { class: 'parallel' }, html('figcaption', {}, title, saveButton(drawn, title)), drawn,
     html('p', { class: 'across' }, 'Drag along an axis, or move its ends with the arrow keys, to select points; click on it to take all of it again.'), told);
 }
 

@@ -59,7 +59,7 @@ export class Picture {
       supply: `${round(this.#rig.supply)} kPa`,
       exhaust: `exhaust ${round(this.#rig.exhaust)} kPa`,
       sensing: text('encoder.model') === 'potentiometer' ? 'potentiometer' : `${round(1e3 * number('encoder.mm_per_count'))} µm a count`,
-      faults: text('name'),
+      faults: shortened(text('name')),
     };
     for (const [id, word] of Object.entries(words)) say(this.#parts[`${id}-text`], word);
     this.#parts['rod-left'].toggleAttribute('hidden', text('actuator.model') !== 'symmetric');
@@ -290,6 +290,11 @@ export class Picture {
 
 function box(x, y, width, height, kind = 'box') {
   return svg('rect', { x, y, width, height, rx: 6, class: kind });
+}
+
+/** A name that fits into its box. */
+function shortened(name) {
+  return name.length > 20 ? `${name.slice(0, 19)}…` : name;
 }
 
 /** A number that a rig may not tell. */

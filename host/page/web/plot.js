@@ -3,6 +3,7 @@
 // The curves lie on one canvas and the cursor on another, so that a cursor that moves draws no curve again.
 
 import { PANELS, drawPanel, isThere } from './panel.js';
+import { inColoursOfPaper, onPrint, toPng } from './paper.js';
 import { placeOf, scaleOf, ticks, tickText } from './scale.js';
 import { html } from './svg.js';
 import { VectorContext } from './vector.js';
@@ -11,6 +12,9 @@ const LEFT = 56;
 const LEGEND = 168;
 const BOTTOM = 22;
 const GAP = 10;
+
+/** A graph is no lower than this, pixels: below it, its legend and its ticks do not fit. */
+const LEAST = 140;
 
 /** The graphs. `callbacks.cursor(time)` hears where the cursor stands, s. */
 export class Plot {
@@ -44,6 +48,11 @@ export class Plot {
       this.#palette = null;
       this.#redraw();
     });
+    onPrint(() => {
+      this.#palette = null;
+      this.#draw();
+      this.#drawMarks();
+    });
     this.#listen();
   }
 
@@ -61,6 +70,11 @@ export class Plot {
 
   isShown(id) {
     return this.#shown.has(id);
+  }
+
+  /** Which graphs are shown, of all that there may be. */
+  get shown() {
+    return PANELS.map(({ id }) => id).filter((id) => this.#shown.has(id));
   }
 
   /** Shows a graph or hides it. */
@@ -109,6 +123,7 @@ export class Plot {
   }
 
   #draw() {
+    this.#makeRoom();
     this.#size ??= { width: this.#element.clientWidth, height: this.#element.clientHeight };
     this.#palette ??= colours(this.#element);
     // A view that is hidden has no size, and nothing is drawn in it.
@@ -120,9 +135,19 @@ export class Plot {
     return this.#size !== null && this.#size.width > 0 && this.#size.height > 0;
   }
 
+  get #panels() {
+    return PANELS.filter((panel) => this.#shown.has(panel.id) && isThere(panel, this.#runs));
+  }
+
+  /** Makes room for the graphs that are shown: the page scrolls. */
+  #makeRoom() {
+    const least = `${BOTTOM + this.#panels.reduce((sum, panel) => sum + LEAST * panel.height, 0)}px`;
+    if (this.#element.style.minHeight !== least) this.#element.style.minHeight = least;
+  }
+
   /** Draws all graphs that are shown; tells where they are. */
   #drawPanels(context, { width, height }, palette) {
-    const panels = PANELS.filter((panel) => this.#shown.has(panel.id) && isThere(panel, this.#runs));
+    const panels = this.#panels;
     const view = { ...this.view, colours: palette };
     view.ticks = ticks(view.from, view.to, (width - LEFT - LEGEND) / 90);
     const share = (height - BOTTOM) / panels.reduce((sum, panel) => sum + panel.height, 0);
@@ -186,15 +211,13 @@ export class Plot {
     context.globalAlpha = 1;
   }
 
-  /** The graphs as a picture, with the ground of the page. */
-  toPng() {
-    const both = document.createElement('canvas');
-    [both.width, both.height] = [this.#curves.width, this.#curves.height];
-    const context = both.getContext('2d');
-    context.fillStyle = getComputedStyle(this.#element).getPropertyValue('--surface');
-    context.fillRect(0, 0, both.width, both.height);
-    for (const layer of [this.#curves, this.#marks]) context.drawImage(layer, 0, 0);
-    return new Promise((resolve) => { both.toBlob(resolve, 'image/png'); });
+  /** The graphs as a picture under a title, with the ground of the page. */
+  toPng(title) {
+    const style = getComputedStyle(this.#element);
+    const [ground, text] = ['--surface', '--text'].map((name) => style.getPropertyValue(name));
+    const { width, height } = this.#size;
+    const draw = (context) => { for (const layer of [this.#curves, this.#marks]) context.drawImage(layer, 0, 0, width, height); };
+    return toPng([{ width, height, draw }], title, { ground, text });
   }
 
   /** The graphs as an SVG element, in the colours of paper. */
@@ -243,6 +266,8 @@ export class Plot {
     element.addEventListener('pointercancel', () => { this.#drag = null; });
     element.addEventListener('dblclick', () => this.zoom());
     element.addEventListener('wheel', (event) => {
+      // Without Control the wheel moves the page, which is longer than the window.
+      if (!event.ctrlKey) return;
       event.preventDefault();
       this.#zoomBy(1.2 ** Math.sign(event.deltaY), this.#timeAt(event));
     }, { passive: false });
@@ -288,17 +313,6 @@ function drawTime(context, view, { x, box }, height) {
   for (const time of view.ticks) context.fillText(`${tickText(time, step)}`, x(time), height - 6);
   context.textAlign = 'left';
   context.fillText('time, s', box.right + 8, height - 6);
-}
-
-/** Does something while the page has its light colours. */
-function inColoursOfPaper(work) {
-  const { dataset } = document.documentElement;
-  dataset.scheme = 'light';
-  try {
-    return work();
-  } finally {
-    delete dataset.scheme;
-  }
 }
 
 /** The context of a canvas of this size, cleared, in pixels of the page. */

@@ -5,18 +5,17 @@ import { html } from './svg.js';
 /**
  * An HTML file that needs nothing beside it.
  *
- * `title` and `origins` are texts, `figures` elements to copy, `graphs` an SVG element, `command` the line that makes the
+ * `title` and `origins` are texts, `figures` elements, `graphs` an SVG element, `command` the line that makes the
  * same run, `style` the text of a style sheet.
  */
 export function toReport({ title, origins, figures, graphs, command, style }) {
   const page = document.implementation.createHTMLDocument(title);
   page.documentElement.lang = 'en';
   page.head.prepend(html('meta', { charset: 'utf-8' }));
-  const copies = [...figures].map((element) => element.cloneNode(true));
   page.body.append(
     html('h1', {}, title),
     html('p', { class: 'origins' }, `Values of the rig: ${origins}.`),
-    html('section', {}, ...copies),
+    html('section', {}, ...figures),
     html('figure', {}, graphs),
     html('p', { class: 'command' }, 'The same at the command line: ', html('code', {}, command)),
   );

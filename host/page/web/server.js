@@ -17,7 +17,8 @@ function token() {
   const given = new URLSearchParams(location.hash.slice(1)).get('token');
   if (given) {
     sessionStorage.setItem(STORED, given);
-    history.replaceState(null, '', location.pathname);
+    const others = location.hash.slice(1).split('&').filter((part) => !part.startsWith('token='));
+    history.replaceState(null, '', `${location.pathname}${others.length ? `#${others.join('&')}` : ''}`);
   }
   return sessionStorage.getItem(STORED) ?? '';
 }

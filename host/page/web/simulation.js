@@ -86,7 +86,7 @@ export class Simulation {
   async #check({ rig, given }) {
     try {
       const found = await post('/api/check', rig);
-      if (given === this.#given) this.#callbacks.check(found);
+      if (given === this.#given) this.#callbacks.check(found, rig);
     } catch (error) {
       if (given === this.#given) this.#callbacks.failed(error);
     }

@@ -2,6 +2,7 @@
 
 import { told } from './dialog.js';
 import { tableOf } from './figures.js';
+import { saveButton } from './save-picture.js';
 import { scaleOf, ticks, tickText } from './scale.js';
 import { html, svg } from './svg.js';
 
@@ -34,7 +35,8 @@ export function showSpectra(ask, records, interval) {
 function content(spectra) {
   const tables = spectra.map(({ head }) => tableOf(head.peaks, false));
   const resolution = spectra.map(({ head }) => `${head.name}: ${head.samples} samples, one frequency per ${head.resolution_hz.toFixed(3)} Hz`);
-  return [picture(spectra), html('p', { class: 'remark' }, `${resolution.join('; ')}.`), html('div', { class: 'peaks' }, ...tables)];
+  const drawn = picture(spectra);
+  return [drawn, saveButton(drawn, drawn.getAttribute('aria-label')), html('p', { class: 'remark' }, `${resolution.join('; ')}.`), html('div', { class: 'peaks' }, ...tables)];
 }
 
 /** Amplitude on a logarithmic scale over frequency. */

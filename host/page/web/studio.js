@@ -5,11 +5,13 @@ import { componentOf } from './components.js';
 import { isAsking } from './dialog.js';
 import { askForOther, showDifferences } from './difference.js';
 import { copyFrom } from './export.js';
-import { showAlone, showDeviations, showJudged } from './figures.js';
+import { Figures } from './figures.js';
+import { measureHeader } from './header.js';
 import { History, settingOf } from './history.js';
-import { chosenFiles, chosenFolder, dropped } from './incoming.js';
 import { Inspector } from './inspector.js';
 import { measureChange } from './measures.js';
+import { Opening } from './opening.js';
+import { describePictures } from './paper.js';
 import { Picture } from './picture.js';
 import { Player } from './player.js';
 import { Plot } from './plot.js';
@@ -24,7 +26,7 @@ import { StateLine } from './state-line.js';
 import { Study } from './study.js';
 import { html, say } from './svg.js';
 import { Toolbar } from './toolbar.js';
-import { choose, offerViews } from './views.js';
+import { choose, offerViews, showAddressed } from './views.js';
 
 const part = (id) => document.getElementById(id);
 
@@ -35,31 +37,36 @@ const MAX_GHOSTS = 6;
 
 class Studio {
   #keys;
-  /** The rigs that come with the program. */
-  #names;
   #rig = { name: '', text: '' };
   #history = new History();
-  #state = { used: new Set(), values: {}, fileValues: {}, problems: [], settings: {}, rig: '' };
+  #state = { used: new Set(), values: {}, fileValues: {}, problems: [], changed: new Set(), rig: '' };
   #chosen = 'controller';
   #run = null;
   /** The run of the last change that is done: no movement of a slider is about to replace it. */
   #kept = null;
   #ghosts = [];
   #runs = new Runs(part('runs'));
+  #figures = new Figures(part('verdict'), part('figures'));
   /** Where the values of the rig come from: how many are given, computed, typical, and so on. */
   #origins = '';
   /** What has just been done. */
   #news = '';
 
-  constructor(keys, names) {
+  constructor(keys, rigs) {
     this.#keys = keys;
-    this.#names = names;
+    describePictures({ version: rigs.version });
+    this.opening = new Opening(rigs, {
+      open: (...rig) => this.open(...rig),
+      lay: (content) => this.records.lay(content),
+      went: (address) => this.#went(address),
+      failed: (error) => this.#failed(error),
+    });
     const changes = { changed: (...change) => this.#change(...change), chosen: (id) => this.#choose(id) };
     this.inspector = new Inspector(part('inspector'), keys, changes);
     this.picture = new Picture(part('picture'), changes);
     this.plot = new Plot(part('plot'), { cursor: (time) => this.#moveTo(time) });
     this.simulation = new Simulation({
-      check: (found) => this.#checked(found),
+      check: (found, rig) => this.#checked(found, rig),
       run: (result, rig, since) => this.#simulated(result, rig, since),
       ensemble: (result) => this.#judged(result),
       failed: (error) => this.#failed(error),
@@ -80,6 +87,8 @@ class Studio {
     this.toolbar = new Toolbar(part('channels'), this.plot, this.records, {
       run: () => this.#run,
       name: () => this.#state.rig,
+      title: () => this.#run?.label === 'as in the file' ? 'One test' : `One test, ${this.#run?.label ?? ''}`,
+      picture: () => part('picture'),
       described: () => this.#described(),
       spectrum: () => this.#showSpectra(),
     });
@@ -94,12 +103,21 @@ class Studio {
     this.#listen();
   }
 
-  /** Begins with a rig; `news` is told until something is changed. */
-  async open(rig, news = '') {
+  /** Shows the view and the graphs of the address. */
+  #went({ view, graphs }) {
+    showAddressed(view);
+    if (graphs) this.toolbar.showOnly(graphs);
+    this.study.show();
+  }
+
+  /** Begins with a rig and the changes to it; `news` is told until something is changed. */
+  async open(rig, news = '', history = new History()) {
     this.simulation.giveUp();
     this.#rig = rig;
     this.#news = news;
-    this.#history = new History();
+    this.#history = history;
+    this.opening.opened(rig, history);
+    describePictures({ rig: rig.name.split(/[\\/]/).at(-1) });
     this.#ghosts = [];
     this.records.clear();
     this.#run = null;
@@ -119,7 +137,7 @@ class Studio {
     this.#origins = '';
     part('command').value = '';
     this.#state = { ...this.#state, values: {}, used: new Set() };
-    part('figures').replaceChildren();
+    this.#figures.clear();
     if (!this.commission.follows) {
       this.plot.show([]);
       say(part('readout'), '');
@@ -135,9 +153,9 @@ class Studio {
   }
 
   #simulate(since) {
-    this.#state.settings = this.#history.settings;
     part('undo').disabled = !this.#history.canUndo;
     part('redo').disabled = !this.#history.canRedo;
+    this.opening.changed();
     this.simulation.ask(this.#asked(), since);
   }
 
@@ -165,8 +183,10 @@ class Studio {
     this.#show();
   }
 
-  #checked(found) {
+  #checked(found, { settings }) {
     this.#state.problems = found.problems;
+    // The rig that was checked may be one of a moment ago.
+    this.#state.changed = new Set(settings.map((setting) => setting.slice(0, setting.indexOf('='))));
     if (found.values) {
       this.#state = { ...this.#state, values: found.values, used: new Set(found.used) };
       this.picture.describe(found.values);
@@ -202,7 +222,7 @@ class Studio {
     if (this.#history.isKept(rig.settings)) this.#kept = this.#run;
     if (!this.commission.follows) this.picture.follow(this.#run);
     this.#show(() => measureChange(since));
-    showAlone(part('figures'), head);
+    this.#figures.showAlone(head);
     this.records.outdate();
     this.#moveTo(this.plot.cursor);
   }
@@ -215,7 +235,7 @@ class Studio {
     // The run itself, which may be the kept one.
     this.#run.band = time.length ? band : undefined;
     this.#show();
-    showJudged(part('figures'), head, this.#run.head.fault);
+    this.#figures.showJudged(head, this.#run.head.fault);
     this.records.compareAgain();
   }
 
@@ -277,12 +297,16 @@ class Studio {
   }
 
   #save() {
-    return save(this.#asked(), (saved) => this.open(saved, `${saved.name} is saved`));
+    const before = (path) => {
+      const value = this.#state.fileValues[path];
+      return value ? settingOf(this.#keys.find((key) => key.path === path), value.text) : null;
+    };
+    return save(this.#asked(), (saved) => this.open(saved, `${saved.name} is saved`, this.#history.rebased(before)));
   }
 
   #recordsChanged() {
     this.#show();
-    showDeviations(part('figures'), this.records.all.map(({ deviation }) => deviation));
+    this.#figures.showDeviations(this.records.all.map(({ deviation }) => deviation));
     this.study?.show();
     this.commission.recordsChanged();
   }
@@ -296,7 +320,7 @@ class Studio {
   /** What a report says beside its graphs. */
   #described() {
     const command = part('command').value;
-    return { title: `${this.#state.rig}: one test`, origins: this.#origins, figures: part('figures').children, command };
+    return { title: `${this.#state.rig}: one test`, origins: this.#origins, figures: this.#figures.copies(), command };
   }
 
   #showSpectra() {
@@ -308,7 +332,7 @@ class Studio {
 
   /** Holds the rig against another, key by key. */
   async #compareWith() {
-    const name = await askForOther(this.#rig.name, this.#names, () => part('folder').click());
+    const name = await askForOther(this.#rig.name, this.opening.names, () => part('folder').click());
     if (name === null) return;
     try {
       const other = name === '' ? this.#rig : await get(`/api/rigs/${name}`);
@@ -331,47 +355,14 @@ class Studio {
     part('redo').addEventListener('click', () => this.#travel(() => this.#history.redo()));
     part('save').addEventListener('click', () => this.#save());
     part('copy').addEventListener('click', () => copyFrom(part('command'), part('copy')));
-    part('rigs').addEventListener('change', () => this.#openChosen(part('rigs').value));
     part('compare').addEventListener('click', () => this.#compareWith());
-    part('open').addEventListener('click', () => part('file').click());
-    part('file').addEventListener('change', ({ target }) => this.#takeIn(chosenFiles(target.files), target));
-    part('folder').addEventListener('change', ({ target }) => this.#takeIn(chosenFolder(target.files).then((run) => [run]), target));
-    document.addEventListener('dragover', (event) => event.preventDefault());
-    document.addEventListener('drop', (event) => {
-      event.preventDefault();
-      this.#takeIn(dropped(event.dataTransfer));
-    });
     document.addEventListener('keydown', (event) => this.#key(event));
-  }
-
-  /** Opens a rig of the list, unless another one has been chosen or opened meanwhile. */
-  async #openChosen(name) {
-    const before = this.#rig;
-    try {
-      const rig = await get(`/api/rigs/${name}`);
-      if (part('rigs').value === name && this.#rig === before) await this.open(rig);
-    } catch (error) {
-      if (part('rigs').value === name) this.#failed(error);
-    }
-  }
-
-  /** Opens a rig file, and lays records and run folders over the run; `chosen` may be chosen again. */
-  async #takeIn(incoming, chosen = null) {
-    try {
-      for (const content of await incoming) {
-        const isRig = content.text !== undefined && content.name.endsWith('.toml');
-        await (isRig ? this.open(content) : this.records.lay(content));
-      }
-    } catch (error) {
-      this.#failed(error);
-    }
-    if (chosen) chosen.value = '';
   }
 
   #key(event) {
     const { key, shiftKey } = event;
     if (!(event.ctrlKey || event.metaKey) || isAsking()) return;
-    const isTyping = event.target.matches('input[type=text]');
+    const isTyping = event.target.matches('input[type=text], input[type=search]');
     const actions = { s: () => this.#save() };
     if (!isTyping) actions[shiftKey ? 'Z' : 'z'] = () => this.#travel(() => (shiftKey ? this.#history.redo() : this.#history.undo()));
     if (!(key in actions)) return;
@@ -381,17 +372,14 @@ class Studio {
 }
 
 async function begin() {
+  measureHeader(document.querySelector('header'));
   const [keys, rigs, port] = await Promise.all([get('/api/keys'), get('/api/rigs'), get('/api/port')]);
-  const { opened, builtin } = rigs;
-  const isFile = !builtin.some(({ name }) => name === opened.name);
-  const option = ({ name, about }) => html('option', { value: name, title: about, selected: name === opened.name }, name);
-  part('rigs').append(...(isFile ? [html('option', { selected: true, disabled: true }, opened.name)] : []), ...builtin.map(option));
-  const studio = new Studio(keys, builtin.map(({ name }) => name));
+  const studio = new Studio(keys, rigs);
   // For measurements.
   window.studio = studio;
   studio.offer(port);
   await studio.study.begin(keys);
-  await studio.open(opened);
+  await studio.opening.begin();
 }
 
 begin().catch((error) => stateLine.show(error.message, true));

@@ -1,7 +1,9 @@
 // The buttons above the graphs: which of them are shown, how records lie over the run, and what is taken away.
 
+import { writeAddress } from './address.js';
 import { offer, toCsv, toFile } from './export.js';
 import { PANELS, isThere } from './panel.js';
+import { standalone, withHead } from './paper.js';
 import { ALIGNMENTS } from './records.js';
 import { toReport } from './report.js';
 import { html } from './svg.js';
@@ -11,12 +13,13 @@ export class Toolbar {
   #callbacks;
   #records;
   #align;
+  #toggles = [];
   /** The buttons of graphs that not every run has. */
   #ofLaw = [];
   /** The buttons that need a run. */
   #ofRun;
 
-  /** `callbacks` has `run()`, `name()`, `described()` for a report, and `spectrum()`. */
+  /** `callbacks` has `run()`, `name()`, `title()` and `picture()` for pictures, `described()` for a report, and `spectrum()`. */
   constructor(element, plot, records, callbacks) {
     this.#plot = plot;
     this.#records = records;
@@ -30,8 +33,9 @@ export class Toolbar {
       button('whole time', 'All samples of the runs', () => plot.zoom(), 'plain'),
       button('Spectrum…', 'Which frequencies a channel holds, in the part that is in view', () => callbacks.spectrum()),
       csv,
-      button('PNG', 'The graphs as a picture', async () => this.#offer('png', await plot.toPng())),
-      button('SVG', 'The graphs as a drawing, in the colours of paper', () => this.#offer('svg', toFile(plot.toSvg()))),
+      button('PNG', 'The graphs as a picture', async () => this.#offer('png', await plot.toPng(callbacks.title()))),
+      button('SVG', 'The graphs as a drawing, in the colours of paper', () => this.#offer('svg', toFile(withHead(plot.toSvg(), callbacks.title())))),
+      button('Drive', 'The picture of the drive, as it stands at the cursor, as a drawing', () => this.#offer('drive.svg', toFile(withHead(standalone(callbacks.picture()), callbacks.title())))),
       report);
     this.update();
   }
@@ -44,12 +48,24 @@ export class Toolbar {
     for (const one of this.#ofRun) one.disabled = run === null;
   }
 
+  /** Shows these graphs and no others. */
+  showOnly(graphs) {
+    for (const { id } of this.#toggles) if (this.#plot.isShown(id) !== graphs.includes(id)) this.#plot.toggle(id);
+    this.#mark();
+  }
+
+  #mark() {
+    for (const { id, toggle } of this.#toggles) toggle.setAttribute('aria-pressed', String(this.#plot.isShown(id)));
+  }
+
   #toggle(panel) {
     const { id } = panel;
     const toggle = button(id, `The graph of ${id}`, () => {
       this.#plot.toggle(id);
-      toggle.setAttribute('aria-pressed', String(this.#plot.isShown(id)));
+      this.#mark();
+      writeAddress({ graphs: this.#plot.shown });
     });
+    this.#toggles.push({ id, toggle });
     toggle.setAttribute('aria-pressed', String(this.#plot.isShown(id)));
     if (panel.ofLaw) this.#ofLaw.push({ panel, toggle });
     return toggle;

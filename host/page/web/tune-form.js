@@ -17,26 +17,47 @@ const FIELDS = [
   ['draws', 'Fresh draws', 'that judge the gains'],
 ];
 
+/** The size of the search: that which suits the law of the rig, until another one is typed. */
+const OF_SEARCH = ['population', 'generations'];
+
 /** The form of a tuning. `callbacks.changed()` hears of every change. */
 export class TuneForm {
   #fields;
+  #typed = new Set();
+  #searched = html('p', { class: 'remark' });
 
   constructor(_, { goal }, callbacks) {
     this.#fields = FIELDS.map(([name, label, unit]) => {
       const field = html('input', { type: 'text', id: `tune-${name}`, inputmode: 'decimal', size: 8, value: goal[name] });
+      field.addEventListener('input', () => this.#typed.add(name));
       return { name, label, unit, field };
     });
     const lines = (from, to) => this.#fields.slice(from, to).flatMap(({ name, label, unit, field }) => labelled(`tune-${name}`, label, field, unit));
     this.element = html('div', {}, html('h3', {}, 'What is asked of a step'), ...lines(0, 4),
       html('h3', {}, 'The rigs that the drive may turn out to be'), ...lines(4, 8),
-      html('h3', {}, 'How long is looked for'), ...lines(8));
+      html('h3', {}, 'How long is looked for'), this.#searched, ...lines(8));
     this.element.addEventListener('input', () => callbacks.changed());
   }
 
   show() {}
 
+  /** Another rig is opened: the size of its search is its own. */
+  opened() {
+    for (const name of OF_SEARCH) this.#typed.delete(name);
+  }
+
+  /** Shows what is searched on this rig, and the size that suits it. */
+  planned({ search }) {
+    this.#searched.textContent = `Searched: ${search.what.join(', ')}.`;
+    for (const { name, field } of this.#fields) if (this.#isUsual(name)) field.value = search[name];
+  }
+
+  #isUsual(name) {
+    return OF_SEARCH.includes(name) && !this.#typed.has(name);
+  }
+
   /** As the request has it. */
   body() {
-    return { goal: Object.fromEntries(this.#fields.map(({ name, field }) => [name, numberIn(field)])) };
+    return { goal: Object.fromEntries(this.#fields.map(({ name, field }) => [name, this.#isUsual(name) ? null : numberIn(field)])) };
   }
 }

@@ -11,6 +11,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use axum::Json;
 use axum::extract::{self, State};
 use axum::http::StatusCode;
+use pneudrive_page::page_rig::PageRig;
 use pneudrive_page::refusal::HttpRefusal;
 use pneudrive_page::rigs::{self, Opened, ToSave};
 use pneudrive_records::whole_file;
@@ -38,6 +39,34 @@ impl Files {
         let known = name.map(|name| (name.to_owned(), opened.text.clone()));
         let folder = name.map_or_else(|| PathBuf::from("."), |_| whole_file::folder_of(path).to_owned());
         Files { folder, opened, known: Mutex::new(known.into_iter().collect()) }
+    }
+
+    /// A rig file that the studio has read or written, as it was then.
+    fn known(&self, name: &str) -> Option<Opened> {
+        let known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
+        Some(Opened { name: name.to_owned(), text: known.get(name)?.clone() })
+    }
+
+    /// The rig that the studio was started with, as it was last read or written.
+    fn opened(&self) -> Opened {
+        let name = Path::new(&self.opened.name).file_name().and_then(|name| name.to_str());
+        let known = name.and_then(|name| self.known(name));
+        Opened {
+            text: known.map_or_else(|| self.opened.text.clone(), |known| known.text),
+            ..self.opened.clone()
+        }
+    }
+
+    /// Refuses to save over what a page has not seen: its rig is this file, as it was before another page saved it.
+    fn refuse_stale(&self, asked: &PageRig, name: &str) -> Result<(), HttpRefusal> {
+        let is_same = Path::new(&asked.name).file_name().is_some_and(|own| own == name);
+        match self.known(name) {
+            Some(known) if is_same && known.text != asked.text => Err(HttpRefusal::new(
+                StatusCode::CONFLICT,
+                format!("{name} was saved by another page since this one opened it"),
+            )),
+            _ => Ok(()),
+        }
     }
 
     /// Writes a rig file whole or not at all.
@@ -82,15 +111,18 @@ fn file_name(name: &str) -> Result<&str, HttpRefusal> {
 
 /// The built-in rigs, and the one that was opened.
 pub async fn list(State(files): State<Arc<Files>>) -> Json<Value> {
-    Json(rigs::list(&files.opened))
+    Json(rigs::list(&files.opened()))
 }
 
-/// The text of a built-in rig.
+/// The text of a built-in rig, or of a file that the studio has read or written.
 ///
 /// # Errors
 /// When there is none of that name.
-pub async fn open(extract::Path(name): extract::Path<String>) -> Result<Json<Opened>, RefusalResponse> {
-    Ok(Json(Opened::builtin(&name)?))
+pub async fn open(
+    State(files): State<Arc<Files>>,
+    extract::Path(name): extract::Path<String>,
+) -> Result<Json<Opened>, RefusalResponse> {
+    Ok(Json(files.known(&name).map_or_else(|| Opened::builtin(&name), Ok)?))
 }
 
 /// Saves a rig: the opened file, with the settings in place of the old values and all other lines kept.
@@ -103,6 +135,9 @@ pub async fn save(
     Json(ToSave { asked, file, replace }): Json<ToSave>,
 ) -> Result<Json<Value>, RefusalResponse> {
     let text = rigs::text_to_save(&asked, &file)?;
+    if !replace {
+        files.refuse_stale(&asked, &file)?;
+    }
     files.save(&file, &text, replace)?;
     Ok(Json(json!({ "name": file, "text": text })))
 }

@@ -33,6 +33,31 @@ fn expect_none(page: &mut Browser, view: &str) {
     }
 }
 
+/// Controls that the Tab key does not come to.
+const UNREACHED: &str = "[...document.querySelectorAll('button, select, input, summary, a[href], [tabindex=\"0\"]')] \
+    .filter((one) => one.checkVisibility({ visibilityProperty: true }) && !one.disabled && one.type !== 'file' && !reached.has(one)) \
+    .map((one) => one.outerHTML.slice(0, 120))";
+
+#[test]
+fn every_control_of_every_view_is_reached_by_the_keyboard() {
+    let rig = Rig::builtin("servo-b-tuned").expect("a built-in rig");
+    let rig = VirtualRig::new(rig, 0, Pace { fast: false, live: true }).expect("a rig");
+    let rig = Background::start(rig, Listener::open("tcp:127.0.0.1:0").expect("a port"));
+    let mut page = page_with("servo-b-tuned", builtin("servo-b-tuned").expect("a rig"), Some(rig.port()));
+    for view in ["design", "study", "commission"] {
+        page.evaluate(&format!("document.getElementById('to-{view}').click()"));
+        page.evaluate("for (const one of document.querySelectorAll('details')) one.open = true");
+        page.evaluate("window.reached = new Set(); document.addEventListener('focusin', ({ target }) => reached.add(target))");
+        page.evaluate("document.querySelector('#views button').focus()");
+        let all = page.evaluate(&format!("{UNREACHED}.length")).as_u64().expect("a number");
+        for _ in 0..all + 12 {
+            page.press("Tab", 9, false);
+        }
+        assert_eq!(page.evaluate(UNREACHED), json!([]), "{view}");
+    }
+    assert_eq!(page.complaints, Vec::<String>::new());
+}
+
 #[test]
 fn no_serious_violation_is_found_in_any_view_light_or_dark() {
     let axe = std::env::var_os("PNEUDRIVE_AXE").expect("PNEUDRIVE_AXE: axe.min.js of axe-core");

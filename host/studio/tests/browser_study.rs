@@ -152,6 +152,7 @@ fn what_was_found_for_one_rig_is_not_taken_over_by_another() {
         assert_eq!(words == "found for another rig", !is_its_own, "{words}");
         page.evaluate("document.getElementById('study-take').click()");
         rest(&mut page);
+        page.wait_until("studio.simulation.isAtRest");
         let command = value(&mut page, "command");
         assert_eq!(command.contains("--set"), is_its_own, "{command}");
         page.click("#to-study");

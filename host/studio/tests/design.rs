@@ -144,6 +144,18 @@ fn a_saved_rig_keeps_comments_and_origins_and_is_the_rig_that_was_shown() {
     let differences = pneudrive_design::difference::differences(&shown, &saved);
     assert!(differences.is_empty(), "{differences:?}");
     assert_eq!(answer.json()["text"], text);
+    // A page that is opened now begins with it; one that was opened before is asked.
+    let opened = ask_as_page(&studio, Method::GET, "/api/rigs", None).json()["opened"].clone();
+    assert_eq!(opened, json!({ "name": own, "text": text }));
+    assert_eq!(ask_as_page(&studio, Method::GET, "/api/rigs/own.toml", None).json()["text"], text);
+    let stale = json!({ "name": "own.toml", "text": OWN, "settings": [], "file": "own.toml" });
+    let answer = ask_as_page(&studio, Method::POST, "/api/save", Some(stale));
+    assert_eq!(answer.status, StatusCode::CONFLICT);
+    assert!(
+        answer.text().contains("was saved by another page since this one opened it"),
+        "{}",
+        answer.text()
+    );
 }
 
 #[test]

@@ -135,6 +135,12 @@ impl Space {
         if is_set_by_its_maker { &DITHER } else { &[] }
     }
 
+    /// What is searched, in words.
+    #[must_use]
+    pub fn names(&self) -> Vec<&'static str> {
+        self.variables.iter().map(|variable| variable.what).collect()
+    }
+
     /// How many genes there are.
     #[must_use]
     pub fn len(&self) -> usize {

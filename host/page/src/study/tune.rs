@@ -4,7 +4,9 @@ use std::ops::RangeInclusive;
 
 use pneudrive_evaluate::cancel::CancelToken;
 use pneudrive_optimise::tuning::search::Budget;
-use pneudrive_optimise::tuning::{self, Behaviour, Progress, Relative, Stage, Task, behaviour, report, tune};
+use pneudrive_optimise::tuning::{
+    self, Behaviour, Progress, Relative, Space, Stage, Task, behaviour, report, tune,
+};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
@@ -43,10 +45,12 @@ pub struct Goal {
     valve_percent: f64,
     /// Number of draws on which the gains are judged.
     draws: usize,
-    /// Candidates per generation.
-    population: usize,
-    /// Generations.
-    generations: usize,
+    /// Candidates per generation; without it as many as the command takes for the law of the rig.
+    #[serde(default)]
+    population: Option<usize>,
+    /// Generations; without it as many as the command takes for the law of the rig.
+    #[serde(default)]
+    generations: Option<usize>,
 }
 
 impl Default for Goal {
@@ -62,8 +66,8 @@ impl Default for Goal {
             supply_percent: 0.0,
             valve_percent: 0.0,
             draws: 60,
-            population: 24,
-            generations: 25,
+            population: None,
+            generations: None,
         }
     }
 }
@@ -71,10 +75,14 @@ impl Default for Goal {
 impl TuneRequest {
     pub fn plan(&self) -> Result<Value, HttpRefusal> {
         let task = self.task()?;
-        let runs = task.max_runs().map_err(|error| HttpRefusal::wrong(format!("{error:#}")))?;
+        let impossible = |error: anyhow::Error| HttpRefusal::wrong(format!("{error:#}"));
+        let runs = task.max_runs().map_err(impossible)?;
+        let searched = Space::of(&self.asked.rig()?, self.goal.settled_mm, &[]).map_err(impossible)?.names();
+        let Budget { population, generations, .. } = task.budget;
         Ok(json!({
-            "command": self.asked.command("tune", &format!("{} --out tuned", self.goal.options())),
+            "command": self.asked.command("tune", &format!("{} --out tuned", self.goal.options(&task.budget))),
             "size": format!("{runs} runs at most"),
+            "search": { "population": population, "generations": generations, "what": searched },
         }))
     }
 
@@ -103,8 +111,10 @@ impl TuneRequest {
     }
 
     fn task(&self) -> Result<Task, HttpRefusal> {
-        self.asked.rig()?;
+        let [population, generations] = Budget::usual(&self.asked.rig()?);
         let goal = self.goal.checked()?;
+        let population = goal.population.unwrap_or(population);
+        let generations = goal.generations.unwrap_or(generations);
         Ok(Task {
             source: (self.asked.name.clone(), self.asked.text.clone()),
             settings: self.asked.settings.clone(),
@@ -123,7 +133,7 @@ impl TuneRequest {
             },
             between_mm: [None; 2],
             draws: goal.draws,
-            budget: Budget { population: goal.population, generations: goal.generations, seed: SEED },
+            budget: Budget { population, generations, seed: SEED },
         })
     }
 }
@@ -158,16 +168,16 @@ impl Goal {
             within(name, percent, &(0.0..=50.0), "between 0 and 50 %")?;
         }
         within("draws", self.draws, &(1..=1000), "between 1 and 1000")?;
-        within("candidates", self.population, &(2..=1000), "between 2 and 1000")?;
-        within("generations", self.generations, &(0..=1000), "between 0 and 1000")?;
+        within("candidates", self.population.unwrap_or(2), &(2..=1000), "between 2 and 1000")?;
+        within("generations", self.generations.unwrap_or(0), &(0..=1000), "between 0 and 1000")?;
         // In whole milliseconds.
         Ok(Goal { time_s: (1e3 * self.time_s).round() / 1e3, ..self })
     }
 
     /// As the command takes it.
-    fn options(&self) -> String {
+    fn options(&self, Budget { population, generations, .. }: &Budget) -> String {
         format!(
-            "--step {} --settled {} --overshoot {} --time {} --load {}% --friction {}% --supply {}% --valve {}% --draws {} --population {} --generations {}",
+            "--step {} --settled {} --overshoot {} --time {} --load {}% --friction {}% --supply {}% --valve {}% --draws {} --population {population} --generations {generations}",
             self.step_mm,
             self.settled_mm,
             self.overshoot_percent,
@@ -177,8 +187,6 @@ impl Goal {
             self.supply_percent,
             self.valve_percent,
             self.draws,
-            self.population,
-            self.generations,
         )
     }
 }
@@ -198,7 +206,30 @@ fn within<T: PartialOrd + std::fmt::Display>(
 
 #[cfg(test)]
 mod tests {
+    use pneudrive_sim::rigfile::builtin;
+
     use super::*;
+    use crate::press;
+
+    /// The same as the command's, which asks the rig.
+    #[test]
+    fn a_search_has_the_size_that_suits_the_law_of_its_rig() {
+        let plan = |name: &str, text: &str| {
+            let body = json!({ "name": name, "text": text, "goal": Goal::default() });
+            TuneRequest::deserialize(&body).expect("a request").plan().expect("a plan")
+        };
+        let gains = plan("servo-b-tuned", builtin("servo-b-tuned").expect("a rig"));
+        assert!(
+            gains["command"].as_str().expect("a line").contains("--population 24 --generations 25 "),
+            "{gains}"
+        );
+        let free = plan("press.toml", &press::text());
+        assert!(
+            free["command"].as_str().expect("a line").contains("--population 8 --generations 6 "),
+            "{free}"
+        );
+        assert_eq!(free["search"]["what"].as_array().map(Vec::len), Some(3), "{free}");
+    }
 
     #[test]
     fn what_is_asked_of_a_step_is_held_to_the_ranges_of_the_command() {
@@ -208,7 +239,7 @@ mod tests {
             (Goal { settled_mm: f64::NAN, ..Goal::default() }, "settled within must be above 0 mm, is NaN"),
             (Goal { time_s: 0.05, ..Goal::default() }, "time must be between 0.1 and 100 s, is 0.05"),
             (Goal { load_percent: 60.0, ..Goal::default() }, "load must be between 0 and 50 %, is 60"),
-            (Goal { population: 1, ..Goal::default() }, "candidates must be between 2 and 1000, is 1"),
+            (Goal { population: Some(1), ..Goal::default() }, "candidates must be between 2 and 1000, is 1"),
             (Goal { draws: 0, ..Goal::default() }, "draws must be between 1 and 1000, is 0"),
         ];
         for (goal, message) in wrong {

@@ -73,6 +73,22 @@ impl Browser {
         browser
     }
 
+    /// Opens a second tab at an address, and goes there; the tab before, for [`Browser::go_to`].
+    pub fn open_tab(&mut self, address: &str) -> Option<String> {
+        let before = self.session.take();
+        let target = self.call("Target.createTarget", json!({ "url": address }));
+        let attached = json!({ "targetId": target["targetId"], "flatten": true });
+        let attached = self.call("Target.attachToTarget", attached);
+        self.session = attached["sessionId"].as_str().map(str::to_owned);
+        self.call("Runtime.enable", json!({}));
+        before
+    }
+
+    /// Goes to another tab; the tab before.
+    pub fn go_to(&mut self, tab: Option<String>) -> Option<String> {
+        std::mem::replace(&mut self.session, tab)
+    }
+
     /// Calls a method of the protocol.
     pub fn call(&mut self, method: &str, parameters: Value) -> Value {
         self.calls += 1;

@@ -6,6 +6,8 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
+use pneudrive_design::own_drive::rig_file;
+use pneudrive_design::question::{Answers, question_of};
 use pneudrive_sim::rigfile::builtin;
 use pneudrive_studio::{Opened, Options, Studio};
 use serde_json::json;
@@ -28,12 +30,33 @@ pub fn page_with(name: &str, text: &str, port: Option<&str>) -> Browser {
     let address = studio.address();
     std::thread::spawn(move || studio.serve());
     let mut page = Browser::open(&address, LAPTOP);
-    page.wait_until("window.studio?.simulation.isAtRest && document.querySelector('.verdict.converged, .verdict.unconverged')");
+    wait_until_there(&mut page);
     page
+}
+
+/// Waits for the run of a page that was opened, and for what it rests on.
+pub fn wait_until_there(page: &mut Browser) {
+    page.wait_until("window.studio?.simulation.isAtRest && document.querySelector('.verdict.converged, .verdict.unconverged')");
 }
 
 pub fn page() -> Browser {
     page_of("servo-b-tuned", builtin("servo-b-tuned").expect("a built-in rig"))
+}
+
+/// The rig file of an own drive with a long path, as `rig new` writes it for its figures.
+pub fn own_drive() -> (String, String) {
+    let mut answers = Answers::default();
+    let figures = [
+        ("cylinder", "iso-15552-32"),
+        ("stroke", "250 mm"),
+        ("mass", "8 kg"),
+        ("valve", "proportional-5-3-350"),
+    ];
+    for (question, figure) in figures {
+        answers.answer(question_of(question).expect("a question"), figure);
+    }
+    let text = rig_file("press", &answers).expect("a rig file");
+    ("/home/somebody/drives/of-the-second-line/press-with-the-long-name.toml".to_owned(), text)
 }
 
 /// Keeps a picture for the docs if that is asked for; it is no empty page in any case.
