@@ -5,7 +5,7 @@ use std::fs;
 use crate::program::{exists, folder, ok, transcript};
 
 /// Gains that any others are better than.
-const SHORT: &str = "tune servo-a --set controller.gain_profile=[65535] --settled 2 --overshoot 20 --population 3 --generations 2 --draws 5";
+const SHORT: &str = "tune servo-a --set controller.gain_profile=[65535] --tolerance-mm 2 --overshoot 20 --population 3 --generations 2 --draws 5";
 
 #[test]
 fn a_tuning_leaves_a_page_and_a_rig_that_can_be_simulated() {
@@ -52,7 +52,7 @@ fn what_is_somebody_elses_is_not_written_over_and_what_is_no_number_is_refused()
     let printed = transcript(folder.path(), &format!("{SHORT} --out t"));
     assert!(printed.contains("tuned.toml") && printed.ends_with("= 1"), "{printed}");
     assert_eq!(fs::read_to_string(folder.path().join("t/tuned.toml")).expect("there"), "name = \"mine\"\n");
-    for wrong in ["--settled 0", "--load 60%", "--population 1", "--step=-3"] {
+    for wrong in ["--load 60%", "--population 1", "--step=-3"] {
         assert!(
             transcript(folder.path(), &format!("tune servo-a --out u {wrong}")).ends_with("= 2"),
             "{wrong}"

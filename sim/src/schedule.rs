@@ -22,6 +22,9 @@ pub use plan::{Planned, Slip};
 
 const COUNT: i64 = i32::MAX as i64;
 
+/// Distance from its setpoint within which a move has settled, mm, where no rig file says another.
+pub const USUAL_TOLERANCE_MM: f64 = 0.05;
+
 keys! {
     MOVES: Vec<(f64, i64)> = other("test.moves", Kind::Moves, Preset::Moves(&[(0.0, 8192), (0.3, 16_384), (1.72, 8192)]), "L(6)", "[time in s, counts], in order of time: setpoints, or commands in open loop.");
     TARGETS: Option<Vec<i64>> = other("test.targets", Kind::Integers { min: -COUNT, max: COUNT, max_entries: 64 }, Preset::Absent("moves hold"), "L(6)", "Setpoints in counts, each for controller.forced_exit_s: the thesis's way, instead of moves.");
@@ -33,6 +36,7 @@ keys! {
     DURATION_S: f64 = number("test.duration_s", 3.1, 1e-4, 3600.0, "", "Length of the test.");
     REPEAT_EVERY_S: Option<f64> = optional_number("test.repeat_every_s", 1e-4, 3600.0, "the moves run once", "", "Period at which the moves repeat, rounded up to whole samples, until the end of the test.");
     IMPULSE: Option<Vec<f64>> = optional_numbers("test.impulse", 3, "no impulse", "8.2.1", "[time in s, duration in s, counts]: raises the setpoint, or the command in open loop, by the counts for the duration.");
+    TOLERANCE_MM: f64 = number("test.tolerance_mm", USUAL_TOLERANCE_MM, 1e-4, 1000.0, "", "A move has settled within this distance of its setpoint: for the figures of moves, tune and sweep. The controller does not know it.");
     TRACE_PERIOD_S: Option<f64> = optional_number("test.trace_period_s", 1e-6, 3600.0, "a row a sample", "", "Period of the rows of trace.csv; whole microseconds.");
     DECIMATION: i64 = integer("test.decimation", 1, 1, 10_000, "", "The recorder stores every Nth sample.");
     PRE_TRIGGER: i64 = integer("test.pre_trigger", 0, 0, 2000, "", "Stored samples from before the start.");

@@ -14,11 +14,12 @@ const TOLD_TO_OTHERS: &[(&str, &str)] = &[
     ("name", "reports"),
     ("tolerance_percent", "identify"),
     ("tolerance_pa", "identify"),
-    ("tolerance_mm", "identify"),
+    ("encoder.offset_tolerance_mm", "identify"),
     ("operator.dither_adjustable", "tune"),
     ("sensors.home_switch_mm", "homing runs, which no test has"),
     ("encoder.polarity", "a board's wires"),
     ("test.decimation", "records"),
+    ("test.tolerance_mm", "figures of moves, tune, sweep"),
     ("test.pre_trigger", "records"),
 ];
 

@@ -2,7 +2,7 @@
 
 use http::StatusCode;
 use pneudrive_evaluate::cancel::CancelToken;
-use pneudrive_evaluate::evaluation::{Move, TOLERANCE_MM, moves_of_run, remarks, table};
+use pneudrive_evaluate::evaluation::{Move, moves_of_run, remarks, table, tolerance_mm};
 use pneudrive_optimise::ensemble::{Ensemble, run_ensemble};
 use pneudrive_optimise::positioning::beside_bound;
 use pneudrive_records::band::{Band, CHANNELS};
@@ -67,11 +67,11 @@ const LAW_CURVES: [(&str, &str, &str, f64); 13] = [
 pub fn nominal(asked: &PageRig) -> Result<Vec<u8>, HttpRefusal> {
     let rig = rig_of(asked)?;
     let run = run(&rig, Accuracy::of(&rig)).map_err(|error| not_simulated(&rig, &error.into()))?;
-    let moves = vec![moves_of_run(&rig, &run, TOLERANCE_MM)];
+    let moves = vec![moves_of_run(&rig, &run)];
     let head = json!({
         "summary": words::summary(&rig, &run),
         "fault": fault(&rig, &run),
-        "figures": to_json(&table(&moves, TOLERANCE_MM)),
+        "figures": to_json(&table(&moves, tolerance_mm(Some(&rig)))),
         "bits": format!("{:016x}", run.bits()),
     });
     Ok(curves(&rig, &run).to_bytes(head))
@@ -85,9 +85,8 @@ pub fn nominal(asked: &PageRig) -> Result<Vec<u8>, HttpRefusal> {
 pub fn members(asked: &PageRig, wanted: &(dyn Fn() -> bool + Sync)) -> Result<Vec<u8>, HttpRefusal> {
     let rig = rig_of(asked)?;
     let (accuracy, spacing) = (Accuracy::of(&rig), Spacing::default());
-    let measure = |rig: &Rig, run: &Run| moves_of_run(rig, run, TOLERANCE_MM);
-    let ensemble =
-        run_ensemble(&rig, accuracy, spacing, measure, |_, _| {}, CancelToken::cancelled_unless(wanted));
+    let cancel = CancelToken::cancelled_unless(wanted);
+    let ensemble = run_ensemble(&rig, accuracy, spacing, moves_of_run, |_, _| {}, cancel);
     let ensemble =
         ensemble.map_err(|error| HttpRefusal::gone_or(&error, |error| not_simulated(&rig, error)))?;
     Ok(band(&rig, &ensemble))
@@ -162,7 +161,7 @@ fn band(rig: &Rig, ensemble: &Ensemble<Vec<Move>>) -> Vec<u8> {
     let head = json!({
         "notes": words::run(rig, judged),
         "converged": judged.convergence.is_converged(),
-        "figures": to_json(&table(&ensemble.measured, TOLERANCE_MM)),
+        "figures": to_json(&table(&ensemble.measured, tolerance_mm(Some(rig)))),
         "remarks": remarks,
     });
     judged

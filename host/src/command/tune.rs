@@ -11,7 +11,9 @@ use pneudrive_optimise::tuning::{
 };
 use pneudrive_records::own_file::{GENERATOR, make_writable, refuse_to_replace};
 use pneudrive_records::whole_file::put;
+use pneudrive_sim::keys;
 use pneudrive_sim::rig::find_key;
+use pneudrive_sim::rigfile::RigFile;
 
 use super::long_work::{about, allow};
 use super::progress::Progress;
@@ -95,16 +97,21 @@ fn name(stage: Stage) -> &'static str {
 }
 
 fn task(arguments: &Tune) -> Result<Task> {
+    let source = rig_text(&arguments.rig.rig)?;
+    let tolerance = arguments.tolerance_mm.map(|mm| keys::test::TOLERANCE_MM.setting(mm));
+    let settings: Vec<String> = arguments.rig.settings.iter().cloned().chain(tolerance).collect();
+    // What is wrong with a rig or a step, the tuning itself says.
+    let rig = RigFile::read(&source.0, &source.1).with(&settings).ok();
     let mut task = Task {
-        source: rig_text(&arguments.rig.rig)?,
-        settings: arguments.rig.settings.clone(),
-        fixed: fixed(arguments)?,
         goal: Goal {
             step_mm: arguments.step_mm,
-            settled_mm: arguments.settled_mm,
+            settled_mm: tolerance_mm(rig.as_ref()),
             overshoot_percent: arguments.overshoot_percent,
             time_s: arguments.time_s,
         },
+        source,
+        settings,
+        fixed: fixed(arguments)?,
         spread: Relative {
             load: arguments.load,
             friction: arguments.friction,
@@ -119,7 +126,6 @@ fn task(arguments: &Tune) -> Result<Task> {
             seed: arguments.seed,
         },
     };
-    // What is wrong with a rig or a step, the tuning itself says.
     if let Ok(trial) = Trial::of(&task, &[]) {
         let [population, generations] = Budget::usual(&trial.rig);
         task.budget.population = arguments.population.unwrap_or(population);

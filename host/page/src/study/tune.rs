@@ -3,6 +3,7 @@
 use std::ops::RangeInclusive;
 
 use pneudrive_evaluate::cancel::CancelToken;
+use pneudrive_evaluate::evaluation::tolerance_mm;
 use pneudrive_optimise::tuning::search::Budget;
 use pneudrive_optimise::tuning::{self, Behaviour, Progress, Relative, Stage, Task, behaviour, report, tune};
 use serde::{Deserialize, Serialize};
@@ -26,8 +27,8 @@ pub struct TuneRequest {
 pub struct Goal {
     /// Size of the step, mm.
     step_mm: f64,
-    /// The drive has settled within this distance of its setpoint, mm.
-    settled_mm: f64,
+    /// The drive has settled within this distance of its setpoint, mm; none: `test.tolerance_mm` of the rig.
+    settled_mm: Option<f64>,
     /// Largest overshoot allowed, % of the step.
     overshoot_percent: f64,
     /// Time for the step each way, s.
@@ -54,7 +55,7 @@ impl Default for Goal {
     fn default() -> Goal {
         Goal {
             step_mm: 60.0,
-            settled_mm: 0.05,
+            settled_mm: Some(tolerance_mm(None)),
             overshoot_percent: 1.0,
             time_s: 1.5,
             load_percent: 30.0,
@@ -103,7 +104,7 @@ impl TuneRequest {
     }
 
     fn task(&self) -> Result<Task, HttpRefusal> {
-        self.asked.rig()?;
+        let rig = self.asked.rig()?;
         let goal = self.goal.checked()?;
         Ok(Task {
             source: (self.asked.name.clone(), self.asked.text.clone()),
@@ -111,7 +112,7 @@ impl TuneRequest {
             fixed: Vec::new(),
             goal: tuning::Goal {
                 step_mm: goal.step_mm,
-                settled_mm: goal.settled_mm,
+                settled_mm: goal.settled_mm.unwrap_or_else(|| tolerance_mm(Some(&rig))),
                 overshoot_percent: goal.overshoot_percent,
                 time_s: goal.time_s,
             },
@@ -146,7 +147,9 @@ impl Goal {
     fn checked(self) -> Result<Goal, HttpRefusal> {
         let above_zero = f64::MIN_POSITIVE..=f64::MAX;
         within("step", self.step_mm, &above_zero, "above 0 mm")?;
-        within("settled within", self.settled_mm, &above_zero, "above 0 mm")?;
+        if let Some(settled_mm) = self.settled_mm {
+            within("settled within", settled_mm, &above_zero, "above 0 mm")?;
+        }
         within("overshoot", self.overshoot_percent, &above_zero, "above 0 %")?;
         within("time", self.time_s, &(0.1..=100.0), "between 0.1 and 100 s")?;
         for (name, percent) in [
@@ -166,10 +169,10 @@ impl Goal {
 
     /// As the command takes it.
     fn options(&self) -> String {
+        let settled = self.settled_mm.map_or_else(String::new, |mm| format!(" --tolerance-mm {mm}"));
         format!(
-            "--step {} --settled {} --overshoot {} --time {} --load {}% --friction {}% --supply {}% --valve {}% --draws {} --population {} --generations {}",
+            "--step {}{settled} --overshoot {} --time {} --load {}% --friction {}% --supply {}% --valve {}% --draws {} --population {} --generations {}",
             self.step_mm,
-            self.settled_mm,
             self.overshoot_percent,
             self.time_s,
             self.load_percent,
@@ -205,7 +208,10 @@ mod tests {
         assert!(Goal::default().checked().is_ok());
         let wrong = [
             (Goal { step_mm: 0.0, ..Goal::default() }, "step must be above 0 mm, is 0"),
-            (Goal { settled_mm: f64::NAN, ..Goal::default() }, "settled within must be above 0 mm, is NaN"),
+            (
+                Goal { settled_mm: Some(f64::NAN), ..Goal::default() },
+                "settled within must be above 0 mm, is NaN",
+            ),
             (Goal { time_s: 0.05, ..Goal::default() }, "time must be between 0.1 and 100 s, is 0.05"),
             (Goal { load_percent: 60.0, ..Goal::default() }, "load must be between 0 and 50 %, is 60"),
             (Goal { population: 1, ..Goal::default() }, "candidates must be between 2 and 1000, is 1"),

@@ -668,6 +668,9 @@ class Test(Table):
     def impulse(self) -> list[float] | None:
         """[time in s, duration in s, counts]: raises the setpoint, or the command in open loop, by the counts for the duration."""
     @property
+    def tolerance_mm(self) -> float:
+        """A move has settled within this distance of its setpoint: for the figures of moves, tune and sweep. The controller does not know it, mm."""
+    @property
     def trace_period_s(self) -> float | None:
         """Period of the rows of trace.csv; whole microseconds, s."""
     @property
