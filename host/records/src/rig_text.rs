@@ -26,10 +26,11 @@ pub fn with_settings(text: &str, settings: &[String], source: &str) -> Result<St
 const BEFORE: &str = "; before: ";
 
 /// The comments that this program writes on values.
-const OWN: [&str; 6] = [
+const OWN: [&str; 7] = [
     "given: set in the studio",
     "set for pneudrive tune",
     "found by pneudrive tune",
+    "as without this line",
     "set in Python",
     "set by hand",
     "set when the FMU was made",
