@@ -4,10 +4,12 @@ use std::time::{Duration, Instant};
 
 use anyhow::Result;
 use pneudrive_evaluate::cancel::CancelToken;
+use pneudrive_evaluate::evaluation::tolerance_mm;
+use pneudrive_optimise::tuning::memory::Memory;
 use pneudrive_optimise::tuning::search::Budget;
 use pneudrive_optimise::tuning::trial::Trial;
 use pneudrive_optimise::tuning::{
-    Behaviour, Goal, Progress as At, Relative, Stage, Task, behaviour, report, tune,
+    Behaviour, Goal, Progress as At, Relative, Stage, Task, behaviour, report, tune, tune_with,
 };
 use pneudrive_records::own_file::{GENERATOR, make_writable, refuse_to_replace};
 use pneudrive_records::whole_file::put;
@@ -28,6 +30,7 @@ pub(super) fn execute(arguments: &Tune) -> Result<()> {
     refuse_to_replace(&page, GENERATOR)?;
     refuse_to_replace(&rig, report::MARK)?;
     let task = task(arguments)?;
+    let memory = Memory::open(&arguments.out, &task)?;
     threads::prepare(arguments.threads)?;
     if let Some(lasts) = lasts(&task)? {
         tell!(
@@ -36,12 +39,16 @@ pub(super) fn execute(arguments: &Tune) -> Result<()> {
         );
         allow("the tuning", lasts, arguments.yes)?;
     }
+    if memory.generations() > 0 {
+        tell!("tuning: goes on after the {} generations of an interrupted search", memory.generations());
+    }
     let mut bars = Bars::default();
-    let tuned = tune(&task, |at| bars.at(at), CancelToken::NEVER)?;
+    let tuned = tune_with(&task, |at| bars.at(at), CancelToken::NEVER, &memory)?;
     let behaviour = Behaviour::of(&task, &tuned, |at| bars.at(at), CancelToken::NEVER)?;
     bars.done();
     report::write_page(&task, &tuned, &behaviour, &page, arguments.pages.library())?;
     put(&rig, &report::rig_file(&task, &tuned)?)?;
+    memory.end()?;
     json::figures(|| report::to_json(&task.goal, &tuned, &behaviour));
     report::notes(&task, &tuned).iter().for_each(|note| say!("{note}"));
     let tables = report::shown(&tuned, &behaviour, &task.goal);
