@@ -186,6 +186,9 @@ pub struct Simulate {
     /// test.velocity_mm_s and test.acceleration_mm_s2
     #[arg(long, value_name = "FILE", conflicts_with_all = ["test", "from"])]
     pub points: Option<PathBuf>,
+    /// A move has settled within this distance of its setpoint [default: test.tolerance_mm of the rig]
+    #[arg(long, value_name = "MM")]
+    pub tolerance_mm: Option<f64>,
     /// Folder for trace.csv, run.json and report.html
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,

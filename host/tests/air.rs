@@ -191,7 +191,7 @@ fn what_a_record_cannot_show_is_none() {
 fn the_air_of_a_run_whose_rows_do_not_resolve_the_dither_is_not_told() {
     let air = |period: &str| {
         let rig = rig("servo-b-tuned", &[format!("test.trace_period_s={period}")]);
-        moves_of_run(&rig, &simulated(&rig), 0.05).iter().map(|one| one.air).collect::<Vec<_>>()
+        moves_of_run(&rig, &simulated(&rig)).iter().map(|one| one.air).collect::<Vec<_>>()
     };
     for period in ["0.02", "0.04", "0.004"] {
         assert!(air(period).iter().all(Option::is_none), "{period} s: {:?}", air(period));

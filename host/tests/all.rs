@@ -47,6 +47,7 @@ mod study;
 mod sweep;
 mod thesis;
 mod tokens;
+mod tolerance;
 mod transients;
 mod tune;
 mod two_hosts;

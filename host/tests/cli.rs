@@ -67,8 +67,11 @@ fn wrong_use_ends_with_2_and_what_is_not_there_or_says_no_with_a_code_of_its_own
 fn a_negative_number_is_judged_as_a_number() {
     let folder = folder();
     for (arguments, says) in [
-        ("eval run --tolerance -1", "invalid value '-1' for '--tolerance <MM>': must be more than 0"),
-        ("tune servo-b --out x --settled -0.5", "invalid value '-0.5' for '--settled <MM>': must be above 0"),
+        ("eval run --tolerance -1", "invalid value '-1' for '--tolerance-mm <MM>': must be more than 0"),
+        (
+            "tune servo-b --out x --settled -0.5",
+            "invalid value '-0.5' for '--tolerance-mm <MM>': must be above 0",
+        ),
         ("simulate servo-b --out x --change -0.1", "invalid value '-0.1' for '--change <X>'"),
         ("sweep s.toml --threads -2", "invalid value '-2' for '--threads <N>'"),
         ("monitor --port pty:x --every -1", "invalid value '-1' for '--every <S>'"),

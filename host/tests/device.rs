@@ -253,3 +253,59 @@ fn the_inputs_of_a_virtual_rig_are_set_and_shown() {
         assert!(device(&format!("io {wrong}")).contains(says), "{}", device(&format!("io {wrong}")));
     }
 }
+
+/// Where the axis stands, mm.
+fn position_mm(status: &str) -> f64 {
+    let line =
+        status.lines().find(|line| line.starts_with("position ")).unwrap_or_else(|| panic!("{status}"));
+    let mm = line.split_whitespace().nth(1).and_then(|mm| mm.parse().ok());
+    mm.unwrap_or_else(|| panic!("{line}"))
+}
+
+#[test]
+fn a_drive_goes_to_a_place_and_jogs_by_a_stretch_within_its_reach() {
+    let (folder, rig) = (folder(), virtual_rig("servo-b-tuned"));
+    let device = |what: &str| transcript(folder.path(), &format!("device --port {} {what}", rig.port()));
+    let went = device("go 120mm --rig servo-b-tuned");
+    assert!(went.contains("the axis is at ") && went.contains("the drive holds"), "{went}");
+    assert!((position_mm(&device("status")) - 120.0).abs() < 3.0, "{}", device("status"));
+    let before = position_mm(&device("status"));
+    let jogged = device("jog 10mm --rig servo-b-tuned");
+    assert!(jogged.ends_with("= 0"), "{jogged}");
+    let by = position_mm(&device("status")) - before;
+    assert!((by - 10.0).abs() < 4.0, "{by}");
+    let jogged = device("jog -10mm --rig servo-b-tuned");
+    assert!(jogged.ends_with("= 0") && position_mm(&device("status")) < before + by - 5.0, "{jogged}");
+    for (wrong, code) in [("go 120", 2), ("go x", 2), ("jog 3", 2)] {
+        let printed = device(&format!("{wrong} --rig servo-b-tuned"));
+        assert!(
+            printed.contains("is not a length such as 98.72mm") && printed.ends_with(&format!("= {code}")),
+            "{printed}"
+        );
+    }
+}
+
+#[test]
+fn a_refused_go_changes_nothing_on_the_drive() {
+    let (folder, rig) = (folder(), virtual_rig("servo-b-tuned"));
+    let port = rig.port().to_owned();
+    let device = |what: &str| transcript(folder.path(), &format!("device --port {port} {what}"));
+    let mut owner = pneudrive_link::client::Client::connect(&port).expect("an answer");
+    owner.arm().expect("it arms");
+    fs::write(folder.path().join("fine.toml"), "[encoder]\nmm_per_count = 0.01\n").expect("written");
+    let before = device("status");
+    assert!(before.starts_with("mode        armed\n"), "{before}");
+    for (refused, says) in [
+        ("go 400mm --rig servo-b-tuned", "400 mm is out of reach: the drive goes from 0.0 to 300.0 mm"),
+        ("go 120mm --rig fine.toml", "encoder.mm_per_count of the drive is not that of fine"),
+        ("go 120mm --rig servo-b-tuned", "another host"),
+        ("jog 5mm --rig servo-b-tuned", "another host"),
+    ] {
+        let printed = device(refused);
+        assert!(printed.contains(says) && !printed.ends_with("= 0"), "{refused}: {printed}");
+        let after = device("status");
+        assert!(after.starts_with("mode        armed\n"), "{refused}: {after}");
+        assert!((position_mm(&after) - position_mm(&before)).abs() < 0.5, "{refused}: {after}");
+    }
+    drop(owner);
+}

@@ -244,6 +244,16 @@ fn a_homed_drive_tells_where_it_is() {
 }
 
 #[test]
+fn a_drive_that_was_moved_by_hand_tells_from_where_to_where() {
+    let (folder, rig) = (folder(), virtual_rig("servo-b-tuned"));
+    for (command, asked) in [("device go", "go 110mm"), ("device jog", "jog -3mm")] {
+        let asked = format!("device --port {} {asked} --rig servo-b-tuned", rig.port());
+        let moved = result_of(folder.path(), command, &asked);
+        assert!(moved["from_mm"].is_number() && moved["position_mm"].is_number(), "{moved}");
+    }
+}
+
+#[test]
 fn a_monitor_prints_a_document_a_line() {
     let (folder, rig) = (folder(), virtual_rig("servo-b-tuned"));
     let printed =

@@ -31,7 +31,7 @@ fn rig_check_names_file_line_and_key() {
         (
             "good.toml",
             "[operator]\nmax_steps = 40\n",
-            "good.toml: operator.max_steps has no effect here\ngood.toml: a valid rig (rig)\n= 0",
+            "good.toml: operator.max_steps has no effect here\ngood.toml: a valid rig (rig)\ngood.toml: moves: at 0 s 98.714 mm (8192 counts), at 0.3 s 197.427 mm (16384 counts), at 1.72 s 98.714 mm (8192 counts)\n= 0",
         ),
         (
             "idle.toml",

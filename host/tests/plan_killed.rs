@@ -10,7 +10,7 @@ use pneudrive_controller::parameters::id;
 use pneudrive_link::client::Client;
 use pneudrive_protocol::Mode;
 
-use crate::program::{folder, unhurried_rig};
+use crate::program::{folder, transcript, unhurried_rig, virtual_rig};
 
 const PATIENCE: Duration = Duration::from_secs(20);
 
@@ -85,4 +85,30 @@ fn what_a_killed_plan_has_kept_is_not_given_to_a_drive_that_somebody_has_set_sin
     assert!(interrupted.expect("kill runs").success());
     next.wait().expect("it was started");
     assert_eq!(given(&mut other), since);
+}
+
+/// Once a plan that was interrupted began anew, and its records were of no use.
+#[test]
+fn a_plan_goes_on_behind_the_records_of_one_that_was_killed() {
+    let (rig, folder) = (virtual_rig("servo-b-tuned"), folder());
+    let records = || {
+        let there = std::fs::read_dir(folder.path().join("identified")).into_iter().flatten().flatten();
+        there.filter(|entry| entry.file_name().to_string_lossy().starts_with("TARGET")).count()
+    };
+    let mut killed = plan(folder.path(), rig.port());
+    let begun = Instant::now();
+    while records() < 3 {
+        assert!(begun.elapsed() < PATIENCE, "it records nothing");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    killed.kill().expect("it runs");
+    killed.wait().expect("it was started");
+    let of_the_first = records();
+    let asked = format!("identify servo-b-tuned --plan {} --fit load.mass_kg", rig.port());
+    let printed = transcript(folder.path(), &asked);
+    assert!(printed.contains("the plan goes on behind the "), "{printed}");
+    let told = printed.lines().filter(|line| line.contains("TARGET") && line.contains(".DAT: ")).count();
+    assert!(told < 9 && records() <= of_the_first + told, "{told} tests are run again: {printed}");
+    assert!(printed.contains("load.mass_kg"), "all of them are fitted: {printed}");
+    assert!(!folder.path().join("identified/plan.state").exists());
 }

@@ -12,7 +12,7 @@ fn stated(rig: &str) -> Vec<String> {
 /// The same of the fresh draws, as `tune` says them: met, interval, tuned on, settle, after, overshoot, error, swing, open.
 fn judged(rig: &str, settled_mm: &str) -> Vec<String> {
     let folder = folder();
-    let asked = format!("tune {rig} --generations 0 --time 3 --settled {settled_mm} --out t");
+    let asked = format!("tune {rig} --generations 0 --time 3 --tolerance-mm {settled_mm} --out t");
     let printed = ok(folder.path(), &asked);
     let row =
         printed.lines().find(|line| line.starts_with("of the file")).expect("the row of the file's gains");

@@ -224,7 +224,10 @@ fn a_new_rig_is_tuned_at_once_where_that_is_asked_for() {
     assert!(made.status.success(), "{made:?}");
     let told = printed(&made);
     assert!(told.contains("The goal is met in ") && told.contains("next: pneudrive simulate"), "{told}");
-    assert!(String::from_utf8_lossy(&made.stderr).contains("--step 40 --settled 1"), "the command is shown");
+    assert!(
+        String::from_utf8_lossy(&made.stderr).contains("--step 40 --tolerance-mm 1"),
+        "the command is shown"
+    );
     for name in ["tuned/tuned.toml", "tuned/tune.html"] {
         assert!(folder.path().join(name).is_file(), "{name}");
     }

@@ -76,8 +76,10 @@ pub enum Kind {
     },
     /// A list of real numbers.
     Numbers {
-        /// How many.
-        count: usize,
+        /// Fewest entries.
+        least: usize,
+        /// Most entries.
+        most: usize,
     },
     /// A list of rows of real numbers.
     Rows {
@@ -314,7 +316,7 @@ pub(crate) const fn optional_numbers(
     thesis: &'static str,
     meaning: &'static str,
 ) -> Typed<Option<Vec<f64>>> {
-    Typed::new(path, Kind::Numbers { count }, Preset::Absent(absent), thesis, meaning)
+    Typed::new(path, Kind::Numbers { least: count, most: count }, Preset::Absent(absent), thesis, meaning)
 }
 
 /// Rows of numbers that may be absent, and the meaning of that.

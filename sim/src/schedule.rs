@@ -6,7 +6,7 @@ use pneudrive_controller::Sequence;
 use pneudrive_controller::sequencer::MAX_MOVES;
 
 use crate::component::controller::{self, Loop};
-use crate::key::{Kind, Preset, keys};
+use crate::key::{Key, Kind, Preset, keys};
 use crate::values::{Fields, Findings, Rig, whole_microseconds};
 
 mod check;
@@ -22,10 +22,15 @@ pub use plan::{Planned, Slip};
 
 const COUNT: i64 = i32::MAX as i64;
 
+/// Distance from its setpoint within which a move has settled, mm, where no rig file says another.
+pub const USUAL_TOLERANCE_MM: f64 = 0.05;
+
 keys! {
     MOVES: Vec<(f64, i64)> = other("test.moves", Kind::Moves, Preset::Moves(&[(0.0, 8192), (0.3, 16_384), (1.72, 8192)]), "L(6)", "[time in s, counts], in order of time: setpoints, or commands in open loop.");
     TARGETS: Option<Vec<i64>> = other("test.targets", Kind::Integers { min: -COUNT, max: COUNT, max_entries: 64 }, Preset::Absent("moves hold"), "L(6)", "Setpoints in counts, each for controller.forced_exit_s: the thesis's way, instead of moves.");
     MOVE: Option<Vec<Fields>> = other("test.move", Kind::Tables(&ENTRIES), Preset::Absent("moves or targets hold"), "", "Moves with a profile, in mm and s, one table [[test.move]] each, in order of time; instead of moves.");
+    MOVES_MM: Option<Vec<Vec<f64>>> = other("test.moves_mm", Kind::Rows { columns: &["time in s", "mm"], max_rows: MAX_MOVES }, Preset::Absent("moves hold"), "", "[time in s, mm], in order of time: setpoints in closed loop, to the nearest count, whatever the encoder's resolution; instead of moves.");
+    TARGETS_MM: Option<Vec<f64>> = other("test.targets_mm", Kind::Numbers { least: 1, most: MAX_MOVES }, Preset::Absent("moves hold"), "", "The same as targets, in mm and in closed loop.");
     PROFILE: Shape = choice("test.profile", "", "How the setpoint goes to each of moves and targets: at once, or within the limits below.");
     VELOCITY_MM_S: f64 = number("test.velocity_mm_s", 500.0, 1e-3, 1e5, "", "Limit of the setpoint's velocity in a profile; in open loop counts/s.");
     ACCELERATION_MM_S2: f64 = number("test.acceleration_mm_s2", 5000.0, 1e-3, 1e7, "", "Limit of the setpoint's acceleration in a profile; in open loop counts/s^2.");
@@ -33,6 +38,7 @@ keys! {
     DURATION_S: f64 = number("test.duration_s", 3.1, 1e-4, 3600.0, "", "Length of the test.");
     REPEAT_EVERY_S: Option<f64> = optional_number("test.repeat_every_s", 1e-4, 3600.0, "the moves run once", "", "Period at which the moves repeat, rounded up to whole samples, until the end of the test.");
     IMPULSE: Option<Vec<f64>> = optional_numbers("test.impulse", 3, "no impulse", "8.2.1", "[time in s, duration in s, counts]: raises the setpoint, or the command in open loop, by the counts for the duration.");
+    TOLERANCE_MM: f64 = number("test.tolerance_mm", USUAL_TOLERANCE_MM, 1e-4, 1000.0, "", "A move has settled within this distance of its setpoint: for the figures of moves, tune and sweep. The controller does not know it.");
     TRACE_PERIOD_S: Option<f64> = optional_number("test.trace_period_s", 1e-6, 3600.0, "a row a sample", "", "Period of the rows of trace.csv; whole microseconds.");
     DECIMATION: i64 = integer("test.decimation", 1, 1, 10_000, "", "The recorder stores every Nth sample.");
     PRE_TRIGGER: i64 = integer("test.pre_trigger", 0, 0, 2000, "", "Stored samples from before the start.");
@@ -42,6 +48,10 @@ keys! {
     TEMPERATURE_1_K: f64 = number("test.temperature_1_k", 294.0, 150.0, 600.0, "", "Chamber 1 at the start.");
     TEMPERATURE_2_K: f64 = number("test.temperature_2_k", 294.0, 150.0, 600.0, "", "Chamber 2 at the start.");
 }
+
+/// The forms in which a test gives its moves. A rig has one of them.
+pub static MOVE_FORMS: [&Key; 5] =
+    [&keys::MOVES.key, &keys::MOVES_MM.key, &keys::TARGETS.key, &keys::TARGETS_MM.key, &keys::MOVE.key];
 
 impl Rig {
     /// The sample period.
@@ -119,9 +129,9 @@ fn check_impulse(rig: &Rig, findings: &mut Findings) {
     }
     // Before the first move a closed loop holds where it is, which no file knows.
     let closed = rig.get(&controller::keys::LOOP) == Loop::Closed;
-    if let Some((first, _)) = rig.get(&keys::MOVES).first()
+    if let Some((first, _)) = rig.moves_listed().first()
         && closed
-        && rig.get(&keys::TARGETS).is_none()
+        && rig.targets().is_none()
         && impulse[0] < *first
     {
         let message =

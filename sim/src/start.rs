@@ -37,9 +37,6 @@ fn equilibrium_pressure_1(rig: &Rig) -> f64 {
 pub(crate) fn check(rig: &Rig, findings: &mut Findings) {
     let why = "the test starts within the stroke";
     findings.not_above(rig, &test::POSITION_M, &actuator::keys::STROKE_M, why);
-    if rig.get(&test::TARGETS).is_some() && rig.is_set(&test::MOVES) {
-        findings.note(&test::TARGETS, "give either targets or moves, not both");
-    }
     if rig.get(&test::PRESSURE_1_PA).is_some() {
         return;
     }

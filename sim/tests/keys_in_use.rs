@@ -14,11 +14,12 @@ const TOLD_TO_OTHERS: &[(&str, &str)] = &[
     ("name", "reports"),
     ("tolerance_percent", "identify"),
     ("tolerance_pa", "identify"),
-    ("tolerance_mm", "identify"),
+    ("encoder.offset_tolerance_mm", "identify"),
     ("operator.dither_adjustable", "tune"),
     ("sensors.home_switch_mm", "homing runs, which no test has"),
     ("encoder.polarity", "a board's wires"),
     ("test.decimation", "records"),
+    ("test.tolerance_mm", "figures of moves, tune, sweep"),
     ("test.pre_trigger", "records"),
 ];
 
@@ -156,6 +157,8 @@ fn values_of(key: &str) -> &'static [&'static str] {
         }
         "faults.event" => &["[{ kind = \"stuck-spool\", at_s = 0.05 }]"],
         "test.moves" => &["[[0.0, 7000], [0.1, 7500]]", "[[0.0, 100], [0.1, -100]]"],
+        "test.moves_mm" => &["[[0.0, 84.3], [0.1, 90.4]]", "[[0.0, 14], [0.1, 15]]"],
+        "test.targets_mm" => &["[84.3, 90.4]", "[14, 15]"],
         "test.targets" => &["[7000, 7500]", "[100, -100]"],
         "test.move" => &["[{ profile = \"step\", to_counts = 7000 }]"],
         "test.impulse" => &["[0.05, 0.1, 50]", "[0.05, 0.1, -3000]"],

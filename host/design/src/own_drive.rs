@@ -9,6 +9,7 @@ mod cylinder;
 mod gains;
 mod holding;
 mod load;
+mod sensing;
 mod test;
 mod valve;
 
@@ -21,6 +22,7 @@ use crate::question::{AnswerProblem, Answers};
 use crate::rig_file::{Number, RigFile};
 
 pub(crate) use cylinder::Cylinder;
+use sensing::Encoder;
 
 /// Stroke per count of an encoder that nobody has described, mm.
 pub(crate) const RESOLUTION_MM: f64 = 0.01;
@@ -75,7 +77,13 @@ fn with_law(name: &str, answers: &Answers, law: Law, why: &str) -> Result<String
             keep(cylinder.write(&mut file));
             keep(load::write(&mut file, answers, &cylinder));
             keep(holding::check(answers, &cylinder));
-            keep(test::write(&mut file, answers, &cylinder));
+            match Encoder::of(answers, &cylinder) {
+                Ok(encoder) => {
+                    encoder.write(&mut file, answers);
+                    keep(test::write(&mut file, answers, &cylinder, &encoder));
+                }
+                Err(refusal) => keep(Err(refusal)),
+            }
             if law == Law::GainProfile {
                 keep(gains::write(&mut file, answers, &cylinder));
             }
@@ -83,6 +91,7 @@ fn with_law(name: &str, answers: &Answers, law: Law, why: &str) -> Result<String
         Err(refusal) => keep(Err(refusal)),
     }
     keep(valve::write(&mut file, answers));
+    keep(sensing::write_pressures(&mut file, answers));
     keep(sampling(&mut file, answers));
     file.word(&keys::controller::LAW, law, why);
     if wrong.is_empty() {
@@ -122,15 +131,10 @@ fn about(name: &str, answers: &Answers) -> Vec<String> {
 }
 
 fn sampling(file: &mut RigFile, answers: &Answers) -> Result<(), AnswerProblem> {
-    let resolution = match answers.number("resolution")? {
-        Some(mm) => Number::given(mm, answers.text("resolution").unwrap_or_default()),
-        None => Number::typical(RESOLUTION_MM, [0.001, 0.1], "an incremental encoder; its data sheet tells"),
-    };
     let period = match answers.number("period")? {
         Some(s) => Number::given(s, answers.text("period").unwrap_or_default()),
         None => Number::typical(PERIOD_S, [5e-4, 2e-3], "yours to choose"),
     };
-    file.number(&keys::encoder::MM_PER_COUNT, &resolution);
     file.number(&keys::controller::PERIOD_S, &period);
     file.number(
         &keys::controller::DELAY_S,

@@ -58,7 +58,10 @@ pub static QUESTIONS: &[Question] = &[
     question("tube-bore", "Inner diameter of the tubes", "mm", "4 mm", "that of the tube"),
     question("tube-length", "Length of each tube between valve and cylinder", "m", "1 m", "the valve sits on the cylinder"),
     question("supply", "Supply pressure, gauge (bar(g)) or absolute (bar(a))", "Pa", "6 bar(g)", "6 bar(g)"),
-    question("resolution", "Stroke per count of the encoder, all four edges counted", "mm", "5 um", "10 um"),
+    question("encoder", "Encoder: incremental, ssi or potentiometer", "text", "ssi", "incremental"),
+    question("resolution", "Stroke per count of the encoder, all four edges counted; of a potentiometer the coarsest that will do", "mm", "5 um", "10 um; 12 bits of a potentiometer"),
+    question("pressure-sensors", "Range of the pressure sensors, gauge (bar(g)) or absolute (bar(a)), or none", "text", "0 to 10 bar(g)", "a range above the supply"),
+    question("tolerance-mm", "Distance from its setpoint within which a move has settled, mm", "", "0.1", "0.05"),
     question("period", "Sample period of the controller", "s", "1 ms", "1 ms"),
     question("law", "Control law: by a model of the drive, or by gains", "text", Law::GainProfile.word(), "cascade where the drive has what it needs, otherwise gain-profile"),
 ];

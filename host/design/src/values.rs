@@ -1,7 +1,9 @@
 //! Every value of a rig, with where it comes from: as a rig file in SI, and as JSON.
 
 use pneudrive_sim::Rig;
+use pneudrive_sim::keys;
 use pneudrive_sim::rig::{Key, Origin, Source, Value};
+use pneudrive_sim::schedule::MOVE_FORMS;
 use serde_json::{Map, Value as Json, json};
 
 /// A key that a rig uses, its value, and where that comes from.
@@ -17,11 +19,14 @@ pub struct Entry<'a> {
 
 /// Every key that a rig uses and that has a value, in the order of `rig explain`.
 pub fn entries(rig: &Rig) -> impl Iterator<Item = Entry<'_>> {
-    rig.entries().filter(|(key, _)| rig.uses(key)).map(|(key, value)| Entry {
-        key,
-        value,
-        origin: rig.origin(key),
-    })
+    let is_told = |(key, _): &(&'static Key, &Value)| rig.uses(key) && !has_other_moves(rig, key);
+    rig.entries().filter(is_told).map(|(key, value)| Entry { key, value, origin: rig.origin(key) })
+}
+
+/// Whether a key has the default moves of a rig that gives its moves in another form.
+fn has_other_moves(rig: &Rig, key: &Key) -> bool {
+    let own = keys::test::MOVES.path;
+    key.path == own && MOVE_FORMS.iter().any(|form| form.path != own && rig.value(form.path).is_some())
 }
 
 /// The rig file with every value in SI, each with its origin as a comment: it is the same rig.

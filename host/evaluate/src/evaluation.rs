@@ -36,7 +36,8 @@ pub use other_rig::refuse_other_rig;
 pub use table::{remarks, table};
 pub use verdict::verdict;
 
-use pneudrive_sim::{Rig, Run};
+use pneudrive_sim::schedule::USUAL_TOLERANCE_MM;
+use pneudrive_sim::{Rig, Run, keys};
 
 use crate::transient::Transient;
 use interval::Interval;
@@ -136,15 +137,18 @@ pub fn moves(
         .collect()
 }
 
-/// The moves of a simulated run; `tolerance_mm` as in [`moves`].
+/// The moves of a simulated run, settled within the tolerance of its rig.
 #[must_use]
-pub fn moves_of_run(rig: &Rig, run: &Run, tolerance_mm: f64) -> Vec<Move> {
+pub fn moves_of_run(rig: &Rig, run: &Run) -> Vec<Move> {
     let transient = Transient::of_simulation(rig.name(), rig, run);
-    moves(&transient, &Motion::of(&transient), Some(&Chambers::of(rig)), tolerance_mm)
+    moves(&transient, &Motion::of(&transient), Some(&Chambers::of(rig)), tolerance_mm(Some(rig)))
 }
 
-/// Default of the distance from its setpoint within which a move has settled, mm.
-pub const TOLERANCE_MM: f64 = 0.05;
+/// Distance from its setpoint within which a move has settled, mm: that of the rig, or the usual one of a transient without a rig.
+#[must_use]
+pub fn tolerance_mm(rig: Option<&Rig>) -> f64 {
+    rig.map_or(USUAL_TOLERANCE_MM, |rig| rig.get(&keys::test::TOLERANCE_MM))
+}
 
 fn measured(interval: &Interval, motion: &Motion, tolerance_mm: f64) -> Move {
     let position = interval.position();

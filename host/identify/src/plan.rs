@@ -27,6 +27,19 @@ pub trait TestRig {
     /// # Errors
     /// When the rig has none, stops answering, or the file cannot be written.
     fn record(&mut self, name: &str) -> Result<(String, TargetFile)>;
+
+    /// The record of a test that an interrupted plan has made, and the file that keeps it.
+    fn kept(&mut self, _name: &str) -> Option<(String, TargetFile)> {
+        None
+    }
+
+    /// Keeps the record of a test for a plan that goes on behind this one, if it is interrupted.
+    ///
+    /// # Errors
+    /// When that cannot be written.
+    fn keep(&mut self, _name: &str, _file: &str) -> Result<()> {
+        Ok(())
+    }
 }
 
 /// Time to go back to where the plan began, s.
@@ -96,8 +109,7 @@ impl<B: TestRig> Plan<'_, B> {
         read_off.push(test(moves::DYNAMIC)?);
         let fitted = moves::FITTED.map(test).into_iter().collect::<Result<Vec<_>>>()?;
         // In closed loop a drive with swapped tubes would run away, so there is no way back before this.
-        let (name, file) = self.record(&movement)?;
-        check_movement(&file.samples).with_context(|| name.clone())?;
+        let (name, file) = self.record(&movement, |file| check_movement(&file.samples))?;
         let mut recorded = Recorded { fitted: Vec::new(), all: Vec::new() };
         recorded.read_off(Recording::of(&name, &file, &movement.1));
         for test in &read_off {
@@ -112,18 +124,30 @@ impl<B: TestRig> Plan<'_, B> {
         Ok(recorded)
     }
 
-    /// Goes back to where the plan began, runs a test and records it.
+    /// Goes back to where the plan began, runs a test and records it, unless it is recorded already.
     fn record_from_the_start(&mut self, test: &(&str, Rig)) -> Result<(String, TargetFile)> {
-        let way_back = self.way_back()?;
-        self.bench.run(&way_back)?;
-        self.record(test)
+        if self.bench.kept(test.0).is_none() {
+            let way_back = self.way_back()?;
+            self.bench.run(&way_back)?;
+        }
+        self.record(test, |_| Ok(()))
     }
 
-    /// Runs a test and records it: the name for messages, and the file.
-    fn record(&mut self, (name, test): &(&str, Rig)) -> Result<(String, TargetFile)> {
+    /// The record of a test, made now or by an interrupted plan, and its name for messages. One that `check` refuses is not kept.
+    fn record(
+        &mut self,
+        (name, test): &(&str, Rig),
+        check: impl Fn(&TargetFile) -> Result<()>,
+    ) -> Result<(String, TargetFile)> {
+        if let Some((path, file)) = self.bench.kept(name) {
+            return Ok((format!("{path}, {name}"), file));
+        }
         self.bench.run(test)?;
         let (path, file) = self.bench.record(name)?;
-        Ok((format!("{path}, {name}"), file))
+        let told = format!("{path}, {name}");
+        check(&file).with_context(|| told.clone())?;
+        self.bench.keep(name, &path)?;
+        Ok((told, file))
     }
 
     fn way_back(&self) -> Result<Rig> {

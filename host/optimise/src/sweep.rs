@@ -59,8 +59,6 @@ pub struct Sweep {
     pub rig: Rig,
     /// Allowed error of a step; None: as each drive needs it.
     pub tolerance: Option<f64>,
-    /// A move has settled within this distance of its setpoint, mm.
-    pub settled_mm: f64,
     /// The varied quantities, in the order of the file.
     pub axes: Vec<Axis>,
     /// Number of runs of a point: the rig itself, and perturbed runs that differ very slightly.
@@ -152,7 +150,7 @@ impl Sweep {
     pub fn identity(&self) -> u64 {
         const CRC: Crc<u64> = Crc::<u64>::new(&CRC_64_XZ);
         let mut digest = CRC.digest();
-        let about = (self.meaning(), self.tolerance, self.settled_mm, self.draws);
+        let about = (self.meaning(), self.tolerance, self.draws);
         digest.update(format!("{}", self.ensemble).as_bytes());
         digest.update(format!("{about:?}{}", env!("CARGO_PKG_VERSION")).as_bytes());
         digest.update(format!("{}", metric::REVISION).as_bytes());

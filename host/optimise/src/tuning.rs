@@ -18,6 +18,7 @@
 //! | [`trial`] | the step on a rig |
 //! | [`mod@search`] | differential evolution |
 //! | [`drive`] | candidates on many rigs, and how far that is |
+//! | [`memory`] | what an interrupted search goes on from |
 //! | [`limiting_imperfection`] | which parameter of the rig is in the way |
 //! | [`proportion`] | how often a goal is met, and how well that is known |
 //! | [`report`] | the page, and the rig file |
@@ -31,6 +32,7 @@ pub mod fixed;
 pub mod gains;
 pub mod goal;
 pub mod limiting_imperfection;
+pub mod memory;
 pub mod proportion;
 pub mod report;
 pub mod search;
@@ -49,7 +51,8 @@ pub use limiting_imperfection::LimitingImperfection;
 pub use proportion::Proportion;
 pub use spread::{Relative, Variant};
 
-use drive::{Meter, TunedDrive};
+use drive::{Companions, Meter, TunedDrive};
+use memory::Memory;
 use pneudrive_evaluate::cancel::CancelToken;
 use search::Budget;
 
@@ -86,7 +89,8 @@ impl Task {
     /// # Errors
     /// When the rig has no gains to look for.
     pub fn max_runs(&self) -> Result<usize> {
-        let drive = TunedDrive::of(self, &[], CancelToken::NEVER)?;
+        let with = Companions { cancel: CancelToken::NEVER, memory: &Memory::default() };
+        let drive = TunedDrive::of(self, &[], with)?;
         let each = spread::tuned_on(&self.spread, self.budget.seed).len();
         let finalists = (FINALISTS + 1) * (each + trial::MEMBERS);
         let of_suspect = limiting_imperfection::budget(&self.budget).runs(each) + each + self.draws;
@@ -164,13 +168,22 @@ const FINALISTS: usize = 3;
 /// # Errors
 /// When the rig has no gains to look for, a key cannot be held, the step does not fit into its stroke, or nobody waits
 /// for it any more ([`Cancelled`](pneudrive_evaluate::cancel::Cancelled)).
-pub fn tune(
+pub fn tune(task: &Task, progress: impl FnMut(Progress) + Send, cancel: CancelToken<'_>) -> Result<Tuned> {
+    tune_with(task, progress, cancel, &Memory::default())
+}
+
+/// The same with what an interrupted search of the task has computed already.
+///
+/// # Errors
+/// As for [`tune`].
+pub fn tune_with(
     task: &Task,
     mut progress: impl FnMut(Progress) + Send,
     cancel: CancelToken<'_>,
+    memory: &Memory,
 ) -> Result<Tuned> {
     fixed::check(task)?;
-    let drive = TunedDrive::of(task, &[], cancel)?;
+    let drive = TunedDrive::of(task, &[], Companions { cancel, memory })?;
     let (tuned_on, fresh) = (
         spread::tuned_on(&task.spread, task.budget.seed),
         spread::fresh(&task.spread, task.budget.seed, task.draws),

@@ -2,7 +2,7 @@
 
 use http::StatusCode;
 use pneudrive_evaluate::cancel::CancelToken;
-use pneudrive_evaluate::evaluation::{Move, TOLERANCE_MM, moves_of_run, remarks, table, verdict};
+use pneudrive_evaluate::evaluation::{Move, moves_of_run, remarks, table, tolerance_mm, verdict};
 use pneudrive_optimise::ensemble::{Ensemble, run_ensemble};
 use pneudrive_optimise::positioning::beside_bound;
 use pneudrive_records::band::{Band, CHANNELS};
@@ -67,12 +67,12 @@ const LAW_CURVES: [(&str, &str, &str, f64); 13] = [
 pub fn nominal(asked: &PageRig) -> Result<Vec<u8>, HttpRefusal> {
     let rig = rig_of(asked)?;
     let run = run(&rig, Accuracy::of(&rig)).map_err(|error| not_simulated(&rig, &error.into()))?;
-    let moves = vec![moves_of_run(&rig, &run, TOLERANCE_MM)];
+    let moves = vec![moves_of_run(&rig, &run)];
     let head = json!({
         "summary": words::summary(&rig, &run),
         "fault": fault(&rig, &run),
-        "verdict": verdict(&moves, TOLERANCE_MM),
-        "figures": to_json(&table(&moves, TOLERANCE_MM)),
+        "verdict": verdict(&moves, tolerance_mm(Some(&rig))),
+        "figures": to_json(&table(&moves, tolerance_mm(Some(&rig)))),
         "bits": format!("{:016x}", run.bits()),
     });
     Ok(curves(&rig, &run).to_bytes(head))
@@ -86,9 +86,8 @@ pub fn nominal(asked: &PageRig) -> Result<Vec<u8>, HttpRefusal> {
 pub fn members(asked: &PageRig, wanted: &(dyn Fn() -> bool + Sync)) -> Result<Vec<u8>, HttpRefusal> {
     let rig = rig_of(asked)?;
     let (accuracy, spacing) = (Accuracy::of(&rig), Spacing::default());
-    let measure = |rig: &Rig, run: &Run| moves_of_run(rig, run, TOLERANCE_MM);
-    let ensemble =
-        run_ensemble(&rig, accuracy, spacing, measure, |_, _| {}, CancelToken::cancelled_unless(wanted));
+    let cancel = CancelToken::cancelled_unless(wanted);
+    let ensemble = run_ensemble(&rig, accuracy, spacing, moves_of_run, |_, _| {}, cancel);
     let ensemble =
         ensemble.map_err(|error| HttpRefusal::gone_or(&error, |error| not_simulated(&rig, error)))?;
     Ok(band(&rig, &ensemble))
@@ -163,8 +162,8 @@ fn band(rig: &Rig, ensemble: &Ensemble<Vec<Move>>) -> Vec<u8> {
     let head = json!({
         "notes": words::run(rig, judged),
         "converged": judged.convergence.is_converged(),
-        "verdict": verdict(&ensemble.measured, TOLERANCE_MM),
-        "figures": to_json(&table(&ensemble.measured, TOLERANCE_MM)),
+        "verdict": verdict(&ensemble.measured, tolerance_mm(Some(rig))),
+        "figures": to_json(&table(&ensemble.measured, tolerance_mm(Some(rig)))),
         "remarks": remarks,
     });
     judged

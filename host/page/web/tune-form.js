@@ -17,8 +17,8 @@ const FIELDS = [
   ['draws', 'Fresh draws', 'that judge the gains'],
 ];
 
-/** The size of the search: that which suits the law of the rig, until another one is typed. */
-const OF_SEARCH = ['population', 'generations'];
+/** The tolerance of the rig, and the size of the search that suits its law, until others are typed. */
+const OF_RIG = ['settled_mm', 'population', 'generations'];
 
 /** The form of a tuning. `callbacks.changed()` hears of every change. */
 export class TuneForm {
@@ -41,9 +41,9 @@ export class TuneForm {
 
   show() {}
 
-  /** Another rig is opened: the size of its search is its own. */
+  /** Another rig is opened: its tolerance and the size of its search are its own. */
   opened() {
-    for (const name of OF_SEARCH) this.#typed.delete(name);
+    for (const name of OF_RIG) this.#typed.delete(name);
   }
 
   /** Shows what is searched on this rig, and the size that suits it. */
@@ -53,7 +53,7 @@ export class TuneForm {
   }
 
   #isUsual(name) {
-    return OF_SEARCH.includes(name) && !this.#typed.has(name);
+    return OF_RIG.includes(name) && !this.#typed.has(name);
   }
 
   /** As the request has it. */

@@ -2,7 +2,7 @@
 
 use anyhow::bail;
 use pneudrive_evaluate::cancel::CancelToken;
-use pneudrive_evaluate::evaluation::{Chambers, Motion, TOLERANCE_MM, moves, refuse_other_rig};
+use pneudrive_evaluate::evaluation::{Chambers, Motion, moves, refuse_other_rig, tolerance_mm as own_tolerance_mm};
 use pneudrive_evaluate::transient::Transient;
 use pneudrive_optimise::ensemble::run_ensemble;
 use pneudrive_records::run_folder::{StoredRun, rig_of};
@@ -33,27 +33,28 @@ fn part(transient: &Transient, within: [Option<f64>; 2]) -> anyhow::Result<Trans
 /// Evaluates the moves of a run, a record or a file. The members of the ensemble of a run are run again, so that every figure has
 /// its range.
 #[pyfunction]
-#[pyo3(signature = (transient, /, *, rig=None, tolerance_mm=TOLERANCE_MM, from_s=None, to_s=None, progress=None))]
+#[pyo3(signature = (transient, /, *, rig=None, tolerance_mm=None, from_s=None, to_s=None, progress=None))]
 pub fn evaluate(
     py: Python<'_>,
     transient: Source,
     rig: Option<RigOrSource>,
-    tolerance_mm: f64,
+    tolerance_mm: Option<f64>,
     from_s: Option<f64>,
     to_s: Option<f64>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Evaluation> {
-    if tolerance_mm.is_nan() || tolerance_mm <= 0.0 {
-        let text = format!("tolerance_mm must be more than 0, is {tolerance_mm}");
-        return Err(PyValueError::new_err(text));
+    if let Some(wrong) = tolerance_mm.filter(|mm| mm.is_nan() || *mm <= 0.0) {
+        return Err(PyValueError::new_err(format!("tolerance_mm must be more than 0, is {wrong}")));
     }
+    let settled = |rig: Option<&pneudrive_sim::Rig>| tolerance_mm.unwrap_or_else(|| own_tolerance_mm(rig));
     let within = [from_s, to_s];
     if let Source::Run(run) = &transient {
+        let tolerance_mm = settled(Some(&run.get().rig().rig));
         return of_run(py, run.get(), within, tolerance_mm, progress);
     }
     let folder = transient.folder();
     let transient = transient.transient()?;
-    let runs = work::at_once(|| {
+    let (runs, tolerance_mm) = work::at_once(|| {
         let rig = match (rig, &folder) {
             (Some(rig), _) => Some(rig.0.rig),
             (None, Some(folder)) => rig_of(folder).ok(),
@@ -63,8 +64,8 @@ pub fn evaluate(
             refuse_other_rig(&transient, rig)?;
         }
         let part = part(&transient, within)?;
-        let chambers = rig.as_ref().map(Chambers::of);
-        Ok(vec![moves(&part, &Motion::of(&part), chambers.as_ref(), tolerance_mm)])
+        let (chambers, tolerance_mm) = (rig.as_ref().map(Chambers::of), settled(rig.as_ref()));
+        Ok((vec![moves(&part, &Motion::of(&part), chambers.as_ref(), tolerance_mm)], tolerance_mm))
     })?;
     Evaluation::of(py, &runs, tolerance_mm)
 }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 use pneudrive_records::rig_source::rig_text;
-use pneudrive_records::rig_text::{with_settings, without};
+use pneudrive_records::rig_text::with_settings;
 use pneudrive_records::whole_file::put;
 use pneudrive_sim::rig::{Kind, Preset, Problems, all_keys, find_key};
 use pneudrive_sim::rigfile::value_of_setting;
@@ -84,13 +84,7 @@ impl Rig {
     /// # Errors
     /// When the text is no TOML.
     pub fn text(&self) -> Result<String> {
-        let is_set = |key: &str| self.settings.iter().any(|setting| setting.starts_with(key));
-        // Targets that were set replace the moves of the file.
-        let text = match is_set("test.targets=") {
-            true => without(&self.source.1, "test", &["moves"])?,
-            false => self.source.1.clone(),
-        };
-        with_settings(&text, &self.settings, "set in Python")
+        with_settings(&self.source.1, &self.settings, "set in Python")
     }
 }
 

@@ -6,7 +6,7 @@ use std::sync::{Arc, OnceLock};
 use anyhow::Result;
 use pneudrive_controller::Observation;
 use pneudrive_evaluate::cancel::CancelToken;
-use pneudrive_evaluate::evaluation::{Move as Measured, TOLERANCE_MM, moves_of_run, table, to_json};
+use pneudrive_evaluate::evaluation::{Move as Measured, moves_of_run, table, to_json, tolerance_mm};
 use pneudrive_evaluate::{report, transient};
 use pneudrive_optimise::ensemble::run_ensemble;
 use pneudrive_records::band::CHANNELS;
@@ -49,7 +49,7 @@ impl Run {
     }
 
     fn measured(&self) -> &[Vec<Measured>] {
-        self.moves.get_or_init(|| vec![moves_of_run(&self.rig.rig, &self.judged.run, TOLERANCE_MM)])
+        self.moves.get_or_init(|| vec![moves_of_run(&self.rig.rig, &self.judged.run)])
     }
 
     fn stored(&self) -> StoredRun {
@@ -69,7 +69,7 @@ impl Run {
 
     fn page(&self) -> Page {
         let transient = transient::Transient::of_run("simulated", &self.stored());
-        let tables = vec![table(self.measured(), TOLERANCE_MM)];
+        let tables = vec![table(self.measured(), tolerance_mm(Some(&self.rig.rig)))];
         report::page(&format!("{}, simulated", self.rig.rig.name()), self.notes(), &[transient], tables)
     }
 }
@@ -131,11 +131,10 @@ fn with_ensemble(
     plan: Plan,
     meter: &work::Meter,
 ) -> Result<(Judged, Vec<Vec<Measured>>)> {
-    let measure = |rig: &pneudrive_sim::Rig, run: &pneudrive_sim::Run| moves_of_run(rig, run, TOLERANCE_MM);
     let tell = |done, all| meter.at(done, all);
     let pool = work::pool(None)?;
     let ensemble =
-        pool.install(|| run_ensemble(rig, plan.accuracy, plan.spacing, measure, tell, CancelToken::NEVER))?;
+        pool.install(|| run_ensemble(rig, plan.accuracy, plan.spacing, moves_of_run, tell, CancelToken::NEVER))?;
     let mut judged = ensemble.nominal;
     if plan.recording().valve {
         // The same run again, now with a look into the valve at every row.
@@ -361,7 +360,7 @@ impl Run {
     }
 
     fn __str__(&self, py: Python<'_>) -> PyResult<String> {
-        let evaluation = Py::new(py, Evaluation::of(py, self.measured(), TOLERANCE_MM)?)?;
+        let evaluation = Py::new(py, Evaluation::of(py, self.measured(), tolerance_mm(Some(&self.rig.rig)))?)?;
         Ok(self.notes().join("\n") + "\n" + &evaluation.bind(py).str()?.to_string())
     }
 

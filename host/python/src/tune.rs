@@ -4,6 +4,7 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use pneudrive_evaluate::cancel::CancelToken;
+use pneudrive_evaluate::evaluation::tolerance_mm;
 use pneudrive_optimise::tuning::search::Budget;
 use pneudrive_optimise::tuning::{self, Behaviour, Goal, Proportion, Relative, Task, report};
 use pneudrive_records::own_file::{GENERATOR, make_writable, refuse_to_replace};
@@ -56,7 +57,7 @@ struct Numbers<'a, 'py>(Option<&'a Bound<'py, PyDict>>);
 impl Numbers<'_, '_> {
     const NAMES: [&'static str; 14] = [
         "step_mm",
-        "settled_mm",
+        "tolerance_mm",
         "overshoot_percent",
         "time_s",
         "load",
@@ -129,7 +130,7 @@ fn task(rig: &Rig, fixed: Vec<String>, numbers: &Numbers<'_, '_>) -> PyResult<Ta
         fixed,
         goal: Goal {
             step_mm: size("step_mm", 60.0)?,
-            settled_mm: size("settled_mm", 0.05)?,
+            settled_mm: size("tolerance_mm", tolerance_mm(Some(&rig.rig)))?,
             overshoot_percent: size("overshoot_percent", 1.0)?,
             // In whole milliseconds.
             time_s: (1e3 * numbers.number("time_s", 1.5, [0.1, 100.0])?).round() / 1e3,
@@ -161,7 +162,7 @@ fn fixed(rig: &Rig, fix: Option<&Bound<'_, PyAny>>) -> PyResult<Vec<String>> {
 }
 
 /// Looks for gains with which a step settles over a spread of load, friction and supply. Sizes have the names of the
-/// command's options: step_mm, settled_mm, overshoot_percent, time_s; load, friction, supply, valve as fractions; lowest_mm,
+/// command's options: step_mm, tolerance_mm, overshoot_percent, time_s; load, friction, supply, valve as fractions; lowest_mm,
 /// highest_mm; draws, population, generations (0: judge the gains of the rig), seed.
 #[pyfunction]
 #[pyo3(signature = (rig, /, *, fix=None, threads=None, progress=None, **numbers))]

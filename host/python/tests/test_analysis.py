@@ -165,13 +165,13 @@ def test_a_fit_of_what_the_data_do_not_show_is_refused(fixtures: Path) -> None:
 
 def test_gains_are_judged_on_draws() -> None:
     rig = Rig("servo-b-tuned")
-    found = pneudrive.tune(rig, generations=0, draws=4, settled_mm=1.0, time_s=0.8)
+    found = pneudrive.tune(rig, generations=0, draws=4, tolerance_mm=1.0, time_s=0.8)
     assert (found.met.of, found.settings) == (4, [])
     low, high = found.met.interval
     assert 0 <= low <= found.met.met / 4 <= high <= 1
     assert found.rig.controller.velocity_gain == rig.controller.velocity_gain
     assert "fresh draws" in found.notes[0]
-    again = pneudrive.tune(rig, generations=0, draws=4, settled_mm=1.0, time_s=0.8)
+    again = pneudrive.tune(rig, generations=0, draws=4, tolerance_mm=1.0, time_s=0.8)
     assert found.met.met == again.met.met
 
 

@@ -11,11 +11,21 @@ use crate::whole_file::is_device;
 /// The mark of our HTML pages: only a file with it is replaced.
 pub const GENERATOR: &str = "<meta name=\"generator\" content=\"pneudrive\">";
 
+/// Files that stand at the top of a folder of sources.
+const OF_SOURCES: [&str; 7] =
+    ["Cargo.toml", "package.json", "pyproject.toml", "CMakeLists.txt", "Makefile", "go.mod", ".git"];
+
 /// Creates a folder if needed, and checks before long work that it can be written to.
 ///
 /// # Errors
-/// When it cannot be written to.
+/// When it cannot be written to, or is a folder of sources.
 pub fn make_writable(folder: &Path) -> Result<()> {
+    // Where the user stands, the program may write.
+    let is_named = folder != Path::new(".");
+    if let Some(name) = OF_SOURCES.iter().find(|name| is_named && folder.join(name).exists()) {
+        let folder = folder.display();
+        bail!("{folder} is a folder of sources, as it has {name}; choose another one, such as {folder}-run");
+    }
     // A temporary file without a name: a kill leaves none behind.
     fs::create_dir_all(folder)
         .and_then(|()| tempfile::tempfile_in(folder))
@@ -46,4 +56,27 @@ fn beginning(path: &Path) -> std::io::Result<String> {
     let mut bytes = Vec::new();
     File::open(path)?.take(BEGINNING).read_to_end(&mut bytes)?;
     Ok(String::from_utf8_lossy(&bytes).into_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Once `--out sim` in a clone of this project wrote its run between the sources of the simulator.
+    #[test]
+    fn a_folder_of_sources_is_no_place_for_results() {
+        let folder = tempfile::tempdir().expect("a folder");
+        for name in OF_SOURCES {
+            let sources = folder.path().join(format!("with-{name}"));
+            fs::create_dir_all(&sources).expect("made");
+            make_writable(&sources).expect("an empty folder");
+            fs::write(sources.join(name), "").expect("written");
+            let refusal = make_writable(&sources).expect_err("sources").to_string();
+            assert!(
+                refusal.contains(&format!("is a folder of sources, as it has {name}; choose another")),
+                "{refusal}"
+            );
+        }
+        make_writable(&folder.path().join("with-Makefile-run")).expect("its remedy");
+    }
 }

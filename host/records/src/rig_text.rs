@@ -1,6 +1,7 @@
 //! Rig files as text: new values replace old ones, and all comments stay.
 
 use anyhow::{Context, Result, anyhow};
+use pneudrive_sim::schedule::MOVE_FORMS;
 use toml_edit::{DocumentMut, Item, Table, TableLike, Value};
 
 /// The text with these settings, `key=value`, each with a comment on its source.
@@ -25,10 +26,11 @@ pub fn with_settings(text: &str, settings: &[String], source: &str) -> Result<St
 const BEFORE: &str = "; before: ";
 
 /// The comments that this program writes on values.
-const OWN: [&str; 6] = [
+const OWN: [&str; 7] = [
     "given: set in the studio",
     "set for pneudrive tune",
     "found by pneudrive tune",
+    "as without this line",
     "set in Python",
     "set by hand",
     "set when the FMU was made",
@@ -91,6 +93,7 @@ pub fn put(document: &mut DocumentMut, path: &str, item: Item) {
     }
     if let Some(table) = table.as_table_like_mut() {
         remove_other_spelling(table, name);
+        remove_other_moves(table, path);
     }
     table[name] = item;
 }
@@ -99,6 +102,13 @@ pub fn put(document: &mut DocumentMut, path: &str, item: Item) {
 fn remove_other_spelling(table: &mut dyn TableLike, name: &str) {
     for other in other_spellings(table, name) {
         table.remove(&other);
+    }
+}
+
+/// Moves in one form replace those in another, as a setting does on the command line.
+fn remove_other_moves(table: &mut dyn TableLike, path: &str) {
+    if MOVE_FORMS.iter().any(|form| form.path == path) {
+        MOVE_FORMS.iter().filter(|form| form.path != path).for_each(|form| drop(table.remove(form.name())));
     }
 }
 
@@ -199,5 +209,14 @@ mod tests {
         assert_eq!(rig.number_at("load.mass_kg"), Some(2.5));
         assert_eq!(rig.number_at("load.incline_deg"), Some(5.0));
         assert_eq!(without(text, "load", &["mass_kg"]).expect("TOML"), "[load]\nincline = \"5 deg\"\n");
+    }
+
+    #[test]
+    fn moves_in_one_form_replace_those_in_another() {
+        let text =
+            "[test]\nmoves = [[0.0, 8192]]\nduration_s = 1\n\n[[test.move]]\nprofile = \"step\"\nto_mm = 9\n";
+        let set =
+            with_settings(text, &["test.moves_mm=[[0.0, 90.0]]".to_owned()], "set by hand").expect("TOML");
+        assert_eq!(set, "[test]\nduration_s = 1\nmoves_mm = [[0.0, 90.0]]  # set by hand\n");
     }
 }

@@ -1,9 +1,10 @@
 //! What is done with a rig at a port: the command and the Python package do it in the same way. The studio shares the record, the
-//! bring-up and the wait for a stepper; it arms and runs in steps of its own, as its page may withdraw an order in between.
+//! bring-up, the slow moves and the wait for a stepper; it arms and runs in steps of its own, as its page may withdraw an order in between.
 //!
 //! | module | holds |
 //! |---|---|
 //! | [`test_run`], [`streaming`] | a test checked, made ready, started and followed, and the file that it is streamed to |
+//! | [`slow_move`] | a drive moved by hand: slowly to a place, or by a stretch |
 //! | [`record`], [`part_file`] | the record of the last run as a TARGET file, and what an interrupted download has left |
 //! | [`drive`] | a drive armed, and told where its axis stands |
 //! | [`bring_up`] | the checks of a new board, one after the other |
@@ -21,6 +22,7 @@ pub mod drive;
 pub mod firmware_notes;
 pub mod part_file;
 pub mod record;
+pub mod slow_move;
 pub mod state;
 pub mod streaming;
 pub mod test_run;

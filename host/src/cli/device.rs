@@ -47,6 +47,25 @@ pub enum DeviceAction {
     /// Home the axis: move it slowly to its stop or switch, which references the counts. The drive
     /// must be armed
     Home,
+    /// Move slowly to a place, at 50 mm/s: the drive is armed for that, holds afterwards, and Ctrl-C stops it. Its record is
+    /// replaced
+    Go {
+        /// The place, from the retracted end, such as 120mm
+        #[arg(value_name = "MM", value_parser = millimetres, allow_negative_numbers = true)]
+        to_mm: f64,
+        /// The rig file of the drive
+        #[arg(long)]
+        rig: String,
+    },
+    /// Move slowly on from where it stands, at 10 mm/s and by 30 mm at most; as go otherwise
+    Jog {
+        /// How far, such as 5mm; negative: towards the retracted end
+        #[arg(value_name = "MM", value_parser = millimetres, allow_hyphen_values = true)]
+        by_mm: f64,
+        /// The rig file of the drive
+        #[arg(long)]
+        rig: String,
+    },
     /// Locate the spool of a stepper valve after a reset. The drive must be disarmed
     #[command(subcommand)]
     Valve(ValveAction),
@@ -101,9 +120,16 @@ pub enum Position {
 }
 
 fn position(text: &str) -> Result<Position, String> {
-    let Some(mm) = text.strip_suffix("mm") else { return whole_number(text).map(Position::Counts) };
-    let mm = mm.trim().parse().ok().filter(|mm: &f64| mm.is_finite());
-    mm.map(Position::Millimetres).ok_or_else(|| format!("{text:?} is not a length such as 98.72mm"))
+    match text.ends_with("mm") {
+        true => millimetres(text).map(Position::Millimetres),
+        false => whole_number(text).map(Position::Counts),
+    }
+}
+
+/// A length with its unit, mm.
+fn millimetres(text: &str) -> Result<f64, String> {
+    let mm = text.strip_suffix("mm").and_then(|mm| mm.trim().parse().ok()).filter(|mm: &f64| mm.is_finite());
+    mm.ok_or_else(|| format!("{text:?} is not a length such as 98.72mm"))
 }
 
 /// Subcommands of `device valve`.

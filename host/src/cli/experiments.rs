@@ -194,9 +194,9 @@ pub struct Tune {
     /// Size of the step, mm
     #[arg(long = "step", value_name = "MM", default_value_t = 60.0, value_parser = positive)]
     pub step_mm: f64,
-    /// The drive has settled within this distance of its setpoint, mm
-    #[arg(long = "settled", value_name = "MM", default_value_t = 0.05, value_parser = positive)]
-    pub settled_mm: f64,
+    /// The drive has settled within this distance of its setpoint, mm [default: test.tolerance_mm of the rig]
+    #[arg(long, alias = "settled", value_name = "MM", value_parser = positive)]
+    pub tolerance_mm: Option<f64>,
     /// Largest overshoot allowed, % of the step
     #[arg(long = "overshoot", value_name = "PERCENT", default_value_t = 1.0, value_parser = positive)]
     pub overshoot_percent: f64,

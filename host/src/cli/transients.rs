@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use pneudrive_evaluate::evaluation::TOLERANCE_MM;
 
 use super::{Integration, Pages, RigChoice};
 
@@ -31,9 +30,9 @@ pub struct Eval {
     /// The interval to evaluate.
     #[command(flatten)]
     pub interval: Interval,
-    /// A move has settled within this distance of its setpoint
-    #[arg(long, value_name = "MM", default_value_t = TOLERANCE_MM, value_parser = positive)]
-    pub tolerance: f64,
+    /// A move has settled within this distance of its setpoint [default: test.tolerance_mm of the rig; without a rig 0.05]
+    #[arg(long, alias = "tolerance", value_name = "MM", value_parser = positive)]
+    pub tolerance_mm: Option<f64>,
     /// The rig of a record; its cylinder is needed to compute the air used by the moves
     #[arg(long)]
     pub rig: Option<String>,

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use pneudrive_evaluate::cancel::CancelToken;
-use pneudrive_evaluate::evaluation::to_json;
+use pneudrive_evaluate::evaluation::{moves_of_run, to_json};
 use pneudrive_evaluate::report;
 use pneudrive_evaluate::transient::Transient;
 use pneudrive_link::client::Client;
@@ -64,14 +64,8 @@ pub(super) fn execute(arguments: &Demo) -> Result<()> {
 
     say!("4. the same test, simulated from the rig file");
     let spacing = Spacing::default();
-    let ensemble = run_ensemble(
-        &model,
-        Accuracy::of(&model),
-        spacing,
-        simulate::figures,
-        |_, _| {},
-        CancelToken::NEVER,
-    )?;
+    let ensemble =
+        run_ensemble(&model, Accuracy::of(&model), spacing, moves_of_run, |_, _| {}, CancelToken::NEVER)?;
     let judged = ensemble.nominal;
     for note in words::run(&model, &judged) {
         say!("   {note}");

@@ -1,6 +1,7 @@
 //! `pneudrive device`.
 
 mod bring_up;
+mod by_hand;
 mod config;
 mod io;
 mod records;
@@ -50,6 +51,8 @@ pub(super) fn execute(arguments: &Device) -> Result<()> {
         }
         DeviceAction::Reference { position } => reference(&mut client, *position, arguments.counts),
         DeviceAction::Home => home(&mut client, arguments.counts),
+        DeviceAction::Go { to_mm, rig } => by_hand::go(&mut client, rig, *to_mm),
+        DeviceAction::Jog { by_mm, rig } => by_hand::jog(&mut client, rig, *by_mm),
         DeviceAction::Valve(action) => valve::execute(&mut client, *action),
         DeviceAction::Faults => faults(&mut client, arguments.counts),
         DeviceAction::Config(action) => config::execute(&mut client, action),

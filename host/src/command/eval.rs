@@ -6,7 +6,7 @@ use std::path::Path;
 use anyhow::{Error, Result, anyhow, bail};
 use pneudrive_evaluate::cancel::CancelToken;
 use pneudrive_evaluate::evaluation::{
-    Chambers, Motion, Move, moves, refuse_other_rig, remarks, table, to_json,
+    Chambers, Motion, Move, moves, refuse_other_rig, remarks, table, to_json, tolerance_mm,
 };
 use pneudrive_evaluate::report;
 use pneudrive_evaluate::transient::{CHANNELS, Transient};
@@ -40,15 +40,16 @@ pub(super) fn execute(arguments: &Eval) -> Result<()> {
     let motion = Motion::of(&transient);
     let rig = rig_beside(arguments, &transient)?;
     let chambers = rig.as_ref().map(Chambers::of);
-    let own = moves(&transient, &motion, chambers.as_ref(), arguments.tolerance);
-    let (runs, rest) = with_ensemble(arguments, own)?;
-    let table = table(&runs, arguments.tolerance);
+    let tolerance_mm = arguments.tolerance_mm.unwrap_or_else(|| tolerance_mm(rig.as_ref()));
+    let own = moves(&transient, &motion, chambers.as_ref(), tolerance_mm);
+    let (runs, rest) = with_ensemble(arguments, own, tolerance_mm)?;
+    let table = table(&runs, tolerance_mm);
     let other_name = rig.as_ref().and_then(|rig| other_name(&transient, rig));
     let remarks: Vec<String> =
         remarks(&runs).into_iter().chain(cut_at_end(&transient)).chain(rest).chain(other_name).collect();
     json::figures(|| {
         json!({
-            "name": transient.name, "runs": runs.len(), "tolerance_mm": arguments.tolerance,
+            "name": transient.name, "runs": runs.len(), "tolerance_mm": tolerance_mm,
             "moves": to_json(&runs), "remarks": remarks,
         })
     });
@@ -105,7 +106,11 @@ fn other_name(transient: &Transient, rig: &Rig) -> Option<String> {
 
 /// The moves of a transient and, for a run folder, those of the run's perturbed runs; with a remark on the basis of
 /// the figures.
-fn with_ensemble(arguments: &Eval, own: Vec<Move>) -> Result<(Vec<Vec<Move>>, Option<String>)> {
+fn with_ensemble(
+    arguments: &Eval,
+    own: Vec<Move>,
+    tolerance_mm: f64,
+) -> Result<(Vec<Vec<Move>>, Option<String>)> {
     if !arguments.file.is_dir() {
         return match arguments.ensemble {
             None => Ok((vec![own], None)),
@@ -127,7 +132,7 @@ fn with_ensemble(arguments: &Eval, own: Vec<Move>) -> Result<(Vec<Vec<Move>>, Op
     let mut progress = Progress::new("simulating its perturbed runs");
     let measure = |rig: &Rig, run: &Run| {
         let part = within(&Transient::of_run("", &StoredRun::of(rig, run)), &arguments.interval);
-        moves(&part, &Motion::of(&part), Some(&Chambers::of(rig)), arguments.tolerance)
+        moves(&part, &Motion::of(&part), Some(&Chambers::of(rig)), tolerance_mm)
     };
     let ensemble = run_ensemble(
         &rig,

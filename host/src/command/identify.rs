@@ -1,6 +1,7 @@
 //! `pneudrive identify`.
 
 mod bench;
+mod kept;
 mod simple;
 
 use std::fs;

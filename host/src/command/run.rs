@@ -62,10 +62,12 @@ fn rig_of(arguments: &Run) -> Result<Rig> {
 }
 
 /// The keys of a test that are downloaded. The other keys of `[test]` are for the simulator.
-const OF_THE_TEST: [&str; 12] = [
+const OF_THE_TEST: [&str; 14] = [
     keys::test::MOVE.key.path,
     keys::test::MOVES.key.path,
+    keys::test::MOVES_MM.key.path,
     keys::test::TARGETS.key.path,
+    keys::test::TARGETS_MM.key.path,
     keys::test::PROFILE.key.path,
     keys::test::VELOCITY_MM_S.key.path,
     keys::test::ACCELERATION_MM_S2.key.path,

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use anyhow::Result;
 use pneudrive_evaluate::cancel::CancelToken;
-use pneudrive_evaluate::evaluation::{Move, TOLERANCE_MM, moves_of_run, remarks, table, to_json};
+use pneudrive_evaluate::evaluation::{moves_of_run, remarks, table, to_json, tolerance_mm};
 use pneudrive_evaluate::recorded_test::{RigOfRecord, taken_from};
 use pneudrive_evaluate::report;
 use pneudrive_evaluate::transient::Transient;
@@ -16,7 +16,7 @@ use pneudrive_records::own_file::make_writable;
 use pneudrive_records::run_folder::{self, Existing, Numbered, PageOf, StoredRun};
 use pneudrive_records::words;
 use pneudrive_report::{Page, Table};
-use pneudrive_sim::{Recording, Rig, Run, run_recorded};
+use pneudrive_sim::{Recording, Rig, keys, run_recorded};
 use serde_json::json;
 
 use super::figures as told;
@@ -38,7 +38,7 @@ pub(super) fn execute(arguments: &Simulate) -> Result<()> {
         &rig,
         accuracy,
         spacing,
-        figures,
+        moves_of_run,
         |done, all| progress.at(done, all),
         CancelToken::NEVER,
     );
@@ -52,7 +52,7 @@ pub(super) fn execute(arguments: &Simulate) -> Result<()> {
     }
     let mut notes = words::run(&rig, &judged);
     notes.extend(origin);
-    let table = table(&moves, TOLERANCE_MM);
+    let table = table(&moves, tolerance_mm(Some(&rig)));
     let steps = moves.first().map(|own| beside_bound(&rig, own)).unwrap_or_default();
     let remarks = [steps, remarks(&moves)].concat();
     notes.extend(remarks.iter().cloned());
@@ -87,14 +87,16 @@ fn rig_of(arguments: &Simulate) -> Result<RigOfRecord> {
     if let Some(test) = &arguments.test {
         rig = rig.with_test_of(&load_rig(test, &[])?)?;
     }
-    match (&arguments.from, &arguments.points) {
-        (Some(from), _) => taken_from(from, &rig),
+    let RigOfRecord { rig, notes } = match (&arguments.from, &arguments.points) {
+        (Some(from), _) => taken_from(from, &rig)?,
         (None, Some(table)) => {
             let Through { rig, notes } = through_points(&rig, table, &arguments.rig.settings)?;
-            Ok(RigOfRecord { rig, notes })
+            RigOfRecord { rig, notes }
         }
-        (None, None) => Ok(RigOfRecord { rig, notes: Vec::new() }),
-    }
+        (None, None) => RigOfRecord { rig, notes: Vec::new() },
+    };
+    let tolerance = arguments.tolerance_mm.map(|mm| keys::test::TOLERANCE_MM.setting(mm));
+    Ok(RigOfRecord { rig: rig.with_settings(tolerance.as_slice())?, notes })
 }
 
 /// The treatment of another rig's run, by `--overwrite`.
@@ -118,9 +120,4 @@ fn strictly(judged: &Judged) -> Result<()> {
 fn page(rig: &Rig, judged: &Judged, notes: Vec<String>, table: Table) -> Page {
     let transient = Transient::of_run("simulated", &StoredRun::of_judged(rig, judged));
     report::page(&format!("{}, simulated", rig.name()), notes, &[transient], vec![table])
-}
-
-/// The measurements of a run and of each perturbed run.
-pub(super) fn figures(rig: &Rig, run: &Run) -> Vec<Move> {
-    moves_of_run(rig, run, TOLERANCE_MM)
 }

@@ -4,14 +4,18 @@ use std::time::{Duration, Instant};
 
 use anyhow::Result;
 use pneudrive_evaluate::cancel::CancelToken;
+use pneudrive_evaluate::evaluation::tolerance_mm;
+use pneudrive_optimise::tuning::memory::Memory;
 use pneudrive_optimise::tuning::search::Budget;
 use pneudrive_optimise::tuning::trial::Trial;
 use pneudrive_optimise::tuning::{
-    Behaviour, Goal, Progress as At, Relative, Stage, Task, behaviour, report, tune,
+    Behaviour, Goal, Progress as At, Relative, Stage, Task, behaviour, report, tune, tune_with,
 };
 use pneudrive_records::own_file::{GENERATOR, make_writable, refuse_to_replace};
 use pneudrive_records::whole_file::put;
+use pneudrive_sim::keys;
 use pneudrive_sim::rig::find_key;
+use pneudrive_sim::rigfile::RigFile;
 
 use super::long_work::{about, allow};
 use super::progress::Progress;
@@ -26,6 +30,7 @@ pub(super) fn execute(arguments: &Tune) -> Result<()> {
     refuse_to_replace(&page, GENERATOR)?;
     refuse_to_replace(&rig, report::MARK)?;
     let task = task(arguments)?;
+    let memory = Memory::open(&arguments.out, &task)?;
     threads::prepare(arguments.threads)?;
     if let Some(lasts) = lasts(&task)? {
         tell!(
@@ -34,12 +39,16 @@ pub(super) fn execute(arguments: &Tune) -> Result<()> {
         );
         allow("the tuning", lasts, arguments.yes)?;
     }
+    if memory.generations() > 0 {
+        tell!("tuning: goes on after the {} generations of an interrupted search", memory.generations());
+    }
     let mut bars = Bars::default();
-    let tuned = tune(&task, |at| bars.at(at), CancelToken::NEVER)?;
+    let tuned = tune_with(&task, |at| bars.at(at), CancelToken::NEVER, &memory)?;
     let behaviour = Behaviour::of(&task, &tuned, |at| bars.at(at), CancelToken::NEVER)?;
     bars.done();
     report::write_page(&task, &tuned, &behaviour, &page, arguments.pages.library())?;
     put(&rig, &report::rig_file(&task, &tuned)?)?;
+    memory.end()?;
     json::figures(|| report::to_json(&task.goal, &tuned, &behaviour));
     report::notes(&task, &tuned).iter().for_each(|note| say!("{note}"));
     let tables = report::shown(&tuned, &behaviour, &task.goal);
@@ -95,16 +104,21 @@ fn name(stage: Stage) -> &'static str {
 }
 
 fn task(arguments: &Tune) -> Result<Task> {
+    let source = rig_text(&arguments.rig.rig)?;
+    let tolerance = arguments.tolerance_mm.map(|mm| keys::test::TOLERANCE_MM.setting(mm));
+    let settings: Vec<String> = arguments.rig.settings.iter().cloned().chain(tolerance).collect();
+    // What is wrong with a rig or a step, the tuning itself says.
+    let rig = RigFile::read(&source.0, &source.1).with(&settings).ok();
     let mut task = Task {
-        source: rig_text(&arguments.rig.rig)?,
-        settings: arguments.rig.settings.clone(),
-        fixed: fixed(arguments)?,
         goal: Goal {
             step_mm: arguments.step_mm,
-            settled_mm: arguments.settled_mm,
+            settled_mm: tolerance_mm(rig.as_ref()),
             overshoot_percent: arguments.overshoot_percent,
             time_s: arguments.time_s,
         },
+        source,
+        settings,
+        fixed: fixed(arguments)?,
         spread: Relative {
             load: arguments.load,
             friction: arguments.friction,
@@ -119,7 +133,6 @@ fn task(arguments: &Tune) -> Result<Task> {
             seed: arguments.seed,
         },
     };
-    // What is wrong with a rig or a step, the tuning itself says.
     if let Ok(trial) = Trial::of(&task, &[]) {
         let [population, generations] = Budget::usual(&trial.rig);
         task.budget.population = arguments.population.unwrap_or(population);

@@ -22,7 +22,6 @@ mod live;
 mod order;
 mod parameters;
 mod pilot;
-mod ramp;
 mod record;
 mod samples;
 mod stop;
@@ -41,6 +40,7 @@ use axum::routing::{get, post};
 use axum::{Json, Router};
 use futures_util::stream::unfold;
 use pneudrive_page::refusal::HttpRefusal;
+use pneudrive_session::slow_move::{GO_MM_PER_S, JOG_MM_PER_S};
 use serde_json::{Value, json};
 use tokio::sync::oneshot;
 
@@ -108,7 +108,7 @@ pub fn routes(drive: Arc<CommandedRig>) -> Router {
 }
 
 async fn port(State(drive): State<Arc<CommandedRig>>) -> Json<Value> {
-    Json(json!({ "port": drive.port, "jog_mm_per_s": ramp::JOG_MM_PER_S, "go_mm_per_s": ramp::GO_MM_PER_S }))
+    Json(json!({ "port": drive.port, "jog_mm_per_s": JOG_MM_PER_S, "go_mm_per_s": GO_MM_PER_S }))
 }
 
 /// A page's command of the drive. It is dropped when the connection ends; then the thread disarms and leaves.

@@ -183,7 +183,7 @@ fn gains_are_found_taken_over_with_the_run_before_as_ghost_and_taken_back() {
     page.wait_until("document.getElementById('study-command').value.includes('--draws 5 --population 3 --generations 2 ')");
     let command = value(&mut page, "study-command");
     assert!(
-        command.starts_with("pneudrive tune mine.toml --step 60 --settled 2 --overshoot 20 "),
+        command.starts_with("pneudrive tune mine.toml --step 60 --tolerance-mm 2 --overshoot 20 "),
         "{command}"
     );
     page.click("#study-start");

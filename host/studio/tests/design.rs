@@ -4,7 +4,7 @@ use std::fs;
 
 use axum::http::{Method, StatusCode};
 use pneudrive_evaluate::deviation;
-use pneudrive_evaluate::evaluation::{TOLERANCE_MM, moves_of_run, table};
+use pneudrive_evaluate::evaluation::{moves_of_run, table, tolerance_mm};
 use pneudrive_evaluate::transient::Transient;
 use pneudrive_records::run_folder::StoredRun;
 use pneudrive_records::target::TargetFile;
@@ -54,7 +54,7 @@ fn the_curves_and_figures_of_the_page_are_those_of_the_simulator() {
     assert_eq!(column("position"), positions);
     let pressures: Vec<f32> = run.rows.iter().map(|row| (row.plant.pressures[0] * 1e-3) as f32).collect();
     assert_eq!(column("pressure 1"), pressures);
-    let figures = table(&[moves_of_run(&rig, &run, TOLERANCE_MM)], TOLERANCE_MM);
+    let figures = table(&[moves_of_run(&rig, &run)], tolerance_mm(Some(&rig)));
     assert_eq!(head["figures"]["rows"], json!(figures.rows));
     assert_eq!(head["fault"], Value::Null);
 }

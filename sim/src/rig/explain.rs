@@ -99,7 +99,8 @@ pub fn range_in_words(kind: &Kind) -> String {
         Kind::Integers { min, max, max_entries } => {
             format!("1 to {max_entries} whole numbers from {min} to {max}")
         }
-        Kind::Numbers { count } => format!("{count} numbers"),
+        Kind::Numbers { least, most } if least == most => format!("{most} numbers"),
+        Kind::Numbers { least, most } => format!("{least} to {most} numbers"),
         Kind::Rows { columns, max_rows } => format!("1 to {max_rows} rows of [{}]", columns.join("; ")),
         Kind::Moves => "list of [time in s, counts] in order of time".to_owned(),
         Kind::Tables(list) => {

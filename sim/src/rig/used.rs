@@ -78,6 +78,7 @@ static TABLE: &[(&[&Key], &[When])] = &[
     (&[&keys::leakage::PASSAGE_RESISTANCE.key, &keys::leakage::PASSAGE_CLEARANCE_M.key],
      &[Is(&keys::leakage::LEAKAGE.key, &["adiabatic"])]),
     (&[&keys::walls::WALL_TEMPERATURE_K.key], &[NotZero(&keys::walls::HEAT_TRANSFER_W_PER_M2_K.key)]),
+    (&[&keys::test::MOVES_MM.key, &keys::test::TARGETS_MM.key], &[CLOSED]),
     (&[&keys::test::VELOCITY_MM_S.key, &keys::test::ACCELERATION_MM_S2.key], &[LIMITED]),
     (&[&keys::test::JERK_MM_S3.key],
      &[Any(&[Is(&keys::test::PROFILE.key, &["s-curve"]), Given(&keys::test::MOVE.key)])]),

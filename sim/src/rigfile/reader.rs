@@ -11,6 +11,7 @@ use super::value::{end_of, is_gauge, item_of, value_of, with_unit};
 use crate::key::{Key, Kind};
 use crate::keys;
 use crate::rig::{Problem, all_keys, did_you_mean, find_key, key_of_stem, unknown_key};
+use crate::schedule::MOVE_FORMS;
 use crate::values::{Findings, Origin, Rig, Value};
 
 /// The name of the command line's settings in messages.
@@ -171,11 +172,10 @@ impl<'a> Reader<'a> {
 
     /// The last setting holds: moves in another form replace those of the file.
     fn replace_moves(&mut self, rig: &mut Rig, path: &str) {
-        let forms = [&keys::test::MOVES.key, &keys::test::TARGETS.key, &keys::test::MOVE.key];
-        if !forms.iter().any(|form| form.path == path) {
+        if !MOVE_FORMS.iter().any(|form| form.path == path) {
             return;
         }
-        for other in forms.iter().filter(|form| form.path != path) {
+        for other in MOVE_FORMS.iter().filter(|form| form.path != path) {
             rig.set.remove(other.path);
             if other.path != keys::test::MOVES.path {
                 rig.put(other.path, None);

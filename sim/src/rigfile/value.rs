@@ -62,7 +62,7 @@ pub(super) fn value_of(key: &Key, item: &Item) -> Result<Value, String> {
             .map(Value::Word),
         Kind::Choice(options) => word(key, item, options),
         Kind::Integers { min, max, max_entries } => integers(key, item, min, max, max_entries),
-        Kind::Numbers { count } => numbers(item, count),
+        Kind::Numbers { least, most } => numbers(item, least, most),
         Kind::Rows { columns, max_rows } => rows(item, columns, max_rows),
         Kind::Moves => moves(item),
         Kind::DefaultOnly => default_only(key, item),
@@ -138,10 +138,12 @@ fn integers(key: &Key, item: &Item, min: i64, max: i64, max_entries: usize) -> R
     values.collect::<Result<_, _>>().map(Value::Integers)
 }
 
-fn numbers(item: &Item, count: usize) -> Result<Value, String> {
+fn numbers(item: &Item, least: usize, most: usize) -> Result<Value, String> {
+    let count = if least == most { most.to_string() } else { format!("{least} to {most}") };
     let message = || format!("must be a list of {count} numbers");
-    let array = item.as_array().filter(|array| array.len() == count).ok_or_else(message)?;
-    let values = array.iter().map(|value| real(&Item::Value(value.clone())).ok_or_else(message));
+    let array = item.as_array().filter(|array| (least..=most).contains(&array.len())).ok_or_else(message)?;
+    let finite = |value: &toml_edit::Value| real(&Item::Value(value.clone())).filter(|one| one.is_finite());
+    let values = array.iter().map(|value| finite(value).ok_or_else(message));
     values.collect::<Result<_, _>>().map(Value::Numbers)
 }
 
@@ -164,7 +166,8 @@ fn rows(item: &Item, columns: &[&str], max_rows: usize) -> Result<Value, String>
 }
 
 fn moves(item: &Item) -> Result<Value, String> {
-    let form = "must be a list of [time in s, counts], such as [[0.0, 8192], [0.3, 16384]]";
+    let form =
+        "must be a list of [time in s, counts], such as [[0.0, 8192], [0.3, 16384]]; in mm write moves_mm";
     let array = item.as_array().ok_or(form)?;
     let one = |value: &toml_edit::Value| {
         let pair = value.as_array().filter(|pair| pair.len() == 2)?;

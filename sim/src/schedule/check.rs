@@ -2,8 +2,8 @@
 
 use pneudrive_controller::sequencer::MAX_MOVES;
 
-use super::keys;
 use super::plan::Planned;
+use super::{MOVE_FORMS, keys};
 use crate::component::controller::{self, Loop};
 use crate::component::{actuator, encoder, safety};
 use crate::key::Key;
@@ -20,25 +20,26 @@ pub(super) fn check(rig: &Rig, findings: &mut Findings) {
     }
 }
 
+/// The forms that the moves are given in: none for those that every rig has.
+fn given(rig: &Rig) -> impl DoubleEndedIterator<Item = &'static Key> {
+    let is_given = |form: &&Key| match form.path == keys::MOVES.path {
+        true => rig.is_set(form),
+        false => rig.value(form.path).is_some(),
+    };
+    MOVE_FORMS.into_iter().filter(is_given)
+}
+
 /// The key that the moves come from.
 fn source(rig: &Rig) -> &'static Key {
-    if rig.get(&keys::MOVE).is_some() {
-        &keys::MOVE
-    } else if rig.get(&keys::TARGETS).is_some() {
-        &keys::TARGETS
-    } else {
-        &keys::MOVES
-    }
+    given(rig).next_back().unwrap_or(&keys::MOVES)
 }
 
 fn check_forms(rig: &Rig, findings: &mut Findings) {
-    if rig.get(&keys::MOVE).is_none() {
-        return;
+    let given: Vec<&Key> = given(rig).collect();
+    if let [.., before, last] = given.as_slice() {
+        findings.note(last, format!("give either {} or {}, not both", last.name(), before.name()));
     }
-    if rig.get(&keys::TARGETS).is_some() || rig.is_set(&keys::MOVES) {
-        findings.note(&keys::MOVE, "give either move, moves or targets, not two of them");
-    }
-    if rig.get(&keys::IMPULSE).is_some() {
+    if rig.get(&keys::MOVE).is_some() && rig.get(&keys::IMPULSE).is_some() {
         findings.note(&keys::IMPULSE, "goes with test.moves and test.targets, not with test.move");
     }
 }
@@ -107,7 +108,7 @@ fn check_moves(rig: &Rig, planned: &[Planned], findings: &mut Findings) {
     if moves.iter().any(|(_, target)| i32::try_from(*target).is_err()) {
         findings.note(key, "counts must fit 32 bits");
     }
-    if rig.get(&controller::keys::EXIT_ON_DEAD_BAND) && rig.get(&keys::TARGETS).is_none() {
+    if rig.get(&controller::keys::EXIT_ON_DEAD_BAND) && rig.targets().is_none() {
         let message = "needs test.targets: timed moves do not wait for the end of the one before";
         findings.note(&controller::keys::EXIT_ON_DEAD_BAND, message);
     }

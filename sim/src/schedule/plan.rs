@@ -148,10 +148,9 @@ impl Rig {
 
     /// Counts of a length that is given in mm or in counts, not both.
     fn counts(&self, entry: &Fields, name: &str) -> Option<i64> {
-        let closed = self.get(&controller::keys::LOOP) == Loop::Closed;
-        let mm = number(entry, &format!("{name}_mm")).filter(|_| closed);
+        let mm = number(entry, &format!("{name}_mm")).filter(|_| self.is_closed());
         match (mm, field(entry, &format!("{name}_counts"))) {
-            (Some(mm), None) => Some((mm / encoder::mm_per_count(self)).round() as i64),
+            (Some(mm), None) => Some(self.to_counts(mm)),
             (None, Some(Value::Integer(counts))) if number(entry, &format!("{name}_mm")).is_none() => {
                 Some(*counts)
             }
@@ -227,15 +226,40 @@ impl Rig {
         }
     }
 
+    /// The targets of the test, counts.
+    pub(super) fn targets(&self) -> Option<Vec<i64>> {
+        let in_mm = || self.get(&keys::TARGETS_MM).filter(|_| self.is_closed());
+        let counts = |targets: Vec<f64>| targets.into_iter().map(|mm| self.to_counts(mm)).collect();
+        self.get(&keys::TARGETS).or_else(|| in_mm().map(counts))
+    }
+
+    /// The moves of the test without profiles: [time in s, counts].
+    pub(super) fn moves_listed(&self) -> Vec<(f64, i64)> {
+        let counts =
+            |moves: Vec<Vec<f64>>| moves.iter().map(|one| (one[0], self.to_counts(one[1]))).collect();
+        let in_mm = self.get(&keys::MOVES_MM).filter(|_| self.is_closed());
+        in_mm.map_or_else(|| self.get(&keys::MOVES), counts)
+    }
+
+    /// Whether setpoints in mm mean something.
+    fn is_closed(&self) -> bool {
+        self.get(&controller::keys::LOOP) == Loop::Closed
+    }
+
+    /// Counts of a setpoint in mm, to the nearest.
+    fn to_counts(&self, mm: f64) -> i64 {
+        (mm / encoder::mm_per_count(self)).round() as i64
+    }
+
     /// Moves or targets, all with the profile of the test.
     fn listed_planned(&self) -> Vec<Planned> {
-        let moves = match self.get(&keys::TARGETS) {
+        let moves = match self.targets() {
             Some(targets) => {
                 let waits = self.get(&controller::keys::EXIT_ON_DEAD_BAND);
                 let each = if waits { 0.0 } else { self.get(&controller::keys::FORCED_EXIT_S) };
                 targets.iter().enumerate().map(|(i, &target)| (i as f64 * each, target)).collect()
             }
-            None => self.get(&keys::MOVES),
+            None => self.moves_listed(),
         };
         let moves = match self.get(&keys::IMPULSE) {
             Some(impulse) => with_impulse(&moves, &impulse),

@@ -146,7 +146,7 @@ fn every_slip_of_a_profile_is_named_with_what_to_do() {
         ),
         (
             "[test]\nmoves = [[0.0, 5]]\n[[test.move]]\nprofile = \"step\"\nto_mm = 9".to_owned(),
-            "give either move, moves or targets",
+            "give either move or moves, not both",
         ),
         (
             "[[test.move]]\nprofile = \"linear\"\nto_mm = 9\nduration_s = 1\n[controller]\nmodel = \"continuous\"".to_owned(),
@@ -183,4 +183,63 @@ proptest! {
         let samples = v + a + j - 2.0;
         prop_assert!((time - 1e-6..=time + 1.0 + 1e-6).contains(&samples), "{samples} samples for {time}: {v} {a} {j}");
     }
+}
+
+/// Once a finer encoder made a short way of every move.
+#[test]
+fn moves_in_millimetres_go_to_the_same_places_by_any_encoder() {
+    for (mm_per_count, counts) in [(0.01, [6250, 18_750]), (0.05, [1250, 3750]), (0.03, [2083, 6250])] {
+        let encoder = format!("[encoder]\nmm_per_count = {mm_per_count}\n[test]\n");
+        let rig = test(&format!("{encoder}moves_mm = [[0.0, 62.5], [0.2, 187.5]]")).expect("valid");
+        assert_eq!(rig.moves(), [(0.0, counts[0]), (0.2, counts[1])]);
+        let rig = test(&format!("{encoder}targets_mm = [62.5, 187.5]")).expect("valid");
+        assert_eq!(rig.moves().iter().map(|one| one.1).collect::<Vec<_>>(), counts);
+    }
+}
+
+#[test]
+fn a_setting_of_moves_in_any_form_replaces_those_of_the_file() {
+    let forms = [
+        "moves=[[0.0, 1000]]",
+        "moves_mm=[[0.0, 12.05]]",
+        "targets=[1000]",
+        "targets_mm=[12.05]",
+        "move=[{profile=\"step\", to_mm=12.05}]",
+    ];
+    for file in forms {
+        let text = format!("test.{}\n", file.replace("=[", " = ["));
+        for setting in forms {
+            let rig = Rig::read_with("rig.toml", &text, &[format!("test.{setting}")]);
+            let rig = rig.unwrap_or_else(|problems| panic!("{file}, {setting}: {problems}"));
+            assert_eq!(rig.moves(), [(0.0, 1000)], "{file}, {setting}");
+        }
+    }
+}
+
+#[test]
+fn two_forms_of_moves_and_millimetres_in_open_loop_are_refused() {
+    for (text, says) in [
+        (
+            "moves = [[0.0, 5]]\nmoves_mm = [[0.0, 5]]",
+            "test.moves_mm: give either moves_mm or moves, not both",
+        ),
+        ("moves_mm = [[0.0, 5]]\ntargets = [5]", "test.targets: give either targets or moves_mm, not both"),
+        ("targets = [5]\ntargets_mm = [5.0]", "test.targets_mm: give either targets_mm or targets, not both"),
+        ("moves_mm = [[0.0, 301]]", "setpoint 24979 is outside the stroke of 0 to 24896 counts"),
+        ("moves_mm = [[0.0]]", "rows of 2 numbers: [time in s; mm]"),
+        ("moves = [[0.0, 12.5]]", "in mm write moves_mm"),
+        ("targets_mm = []", "must be a list of 1 to 64 numbers"),
+        ("targets_mm = [nan]", "must be a list of 1 to 64 numbers"),
+    ] {
+        let message = refusal(&format!("[test]\n{text}"));
+        assert!(message.contains(says), "{text}: {message}");
+    }
+    for open in ["moves_mm = [[0.0, 5]]", "targets_mm = [5.0]"] {
+        let message = refusal(&format!("[controller]\nloop = \"open\"\n[test]\n{open}"));
+        assert!(message.contains("has no effect with controller.loop = \"open\""), "{message}");
+    }
+    // A setting may take away the effect of a line: millimetres never become commands.
+    let set = ["controller.loop=open".to_owned()];
+    let opened = Rig::read_with("rig.toml", "[test]\nmoves_mm = [[0.0, 12.05]]\n", &set).expect("valid");
+    assert_ne!(opened.moves(), [(0.0, 1000)]);
 }

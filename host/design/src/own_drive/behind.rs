@@ -25,10 +25,11 @@ const BEHIND: &[(&str, &[&str])] = &[
     (keys::tubing::LENGTH_M.key.path, &["tube-length"]),
     ("tubing.", &["tube-bore", "tube"]),
     ("supply.", &["supply"]),
-    ("sensors.", &["supply"]),
-    ("encoder.", &["resolution"]),
+    ("sensors.", &["pressure-sensors", "supply"]),
+    ("encoder.", &["encoder", "resolution"]),
     (keys::controller::LAW.key.path, &["law"]),
     ("controller.", &["period"]),
+    (keys::test::TOLERANCE_MM.key.path, &["tolerance-mm"]),
     ("test.pressure", &["supply"]),
 ];
 

@@ -82,8 +82,8 @@ struct Sampling {
 }
 
 impl Sampling {
-    fn of(answers: &Answers) -> Result<Sampling, AnswerProblem> {
-        let count_mm = answers.number("resolution")?.unwrap_or(super::RESOLUTION_MM);
+    fn of(answers: &Answers, cylinder: &Cylinder) -> Result<Sampling, AnswerProblem> {
+        let count_mm = super::Encoder::of(answers, cylinder)?.mm_per_count;
         let period = answers.number("period")?.unwrap_or(super::PERIOD_S);
         let samples = WINDOWS_S.map(|window| (window / period).round().clamp(2.0, 15.0));
         Ok(Sampling { count_mm, samples, windows: samples.map(|samples| samples * period) })
@@ -115,7 +115,7 @@ fn scale_for(largest: f64) -> f64 {
 /// Writes the gains of the gain profile.
 pub(super) fn write(file: &mut RigFile, answers: &Answers, cylinder: &Cylinder) -> Result<(), AnswerProblem> {
     let feedback = Feedback::of(answers, cylinder, valve::sonic_conductance(answers)?)?;
-    let (sampling, dead_zone) = (Sampling::of(answers)?, valve::dead_zone(answers)?);
+    let (sampling, dead_zone) = (Sampling::of(answers, cylinder)?, valve::dead_zone(answers)?);
     let [kp, kv, ka] = sampling.commands(feedback.gains);
     let scale = scale_for(kv.max(ka).max(kp + sampling.across(dead_zone, 0.0)));
     let gain = |gain: f64| (scale * gain).round().clamp(0.0, MAX_GAIN);

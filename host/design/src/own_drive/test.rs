@@ -4,7 +4,7 @@ use pneudrive_sim::keys;
 
 use super::air::supply;
 use super::holding;
-use super::{Cylinder, RESOLUTION_MM};
+use super::{Cylinder, Encoder};
 use crate::question::{AnswerProblem, Answers};
 use crate::rig_file::{Number, RigFile};
 
@@ -12,25 +12,28 @@ use crate::rig_file::{Number, RigFile};
 const STEP_S: f64 = 0.2;
 const DURATION_S: f64 = 2.2;
 
-pub(super) fn write(file: &mut RigFile, answers: &Answers, cylinder: &Cylinder) -> Result<(), AnswerProblem> {
-    let per_count = answers.number("resolution")?.unwrap_or(RESOLUTION_MM);
-    let counts = |part: f64| (part * cylinder.stroke * 1e3 / per_count).round();
-    let [from, to] = [0.25, 0.75].map(counts);
+pub(super) fn write(
+    file: &mut RigFile,
+    answers: &Answers,
+    cylinder: &Cylinder,
+    encoder: &Encoder,
+) -> Result<(), AnswerProblem> {
+    // In whole micrometres.
+    let ends_mm = [0.25, 0.75].map(|part| (part * cylinder.stroke * 1e6).round() / 1e3);
+    let [from, to] = ends_mm.map(|mm| (mm / encoder.mm_per_count).round());
     file.text(
-        &keys::test::MOVES,
-        format!("[[0.0, {from}], [{STEP_S}, {to}]]"),
-        "counts: a quarter of the stroke, then three quarters",
+        &keys::test::MOVES_MM,
+        format!("[[0.0, {}], [{STEP_S}, {}]]", ends_mm[0], ends_mm[1]),
+        &format!("mm: a quarter of the stroke, then three quarters; {from} and {to} counts"),
     );
     file.number(&keys::test::DURATION_S, &Number::computed(DURATION_S, "two seconds from the step on"));
-    let position = (from + 0.5) * per_count * 1e-3;
-    file.number(
-        &keys::test::POSITION_M,
-        &Number::computed(position, "a quarter of the stroke, half a count on"),
-    );
+    let (middle_mm, words) = encoder.middle(from);
+    let position = Number::computed(middle_mm * 1e-3, format!("a quarter of the stroke, {words}"));
+    file.number(&keys::test::POSITION_M, &position);
+    if let Some(mm) = answers.number("tolerance-mm")? {
+        file.number(&keys::test::TOLERANCE_MM, &Number::given(mm, "settled within this distance"));
+    }
     file.number(&keys::test::PRESSURE_2_PA, &pressure_2(answers, cylinder)?);
-    let largest =
-        supply(answers)?.map(|supply| (supply * 1.2e-5).ceil() * 1e5, "above the supply, in whole bar");
-    file.number(&keys::sensors::PRESSURE_MAX_PA, &largest);
     Ok(())
 }
 

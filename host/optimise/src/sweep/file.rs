@@ -3,7 +3,7 @@
 //! | key | is |
 //! |---|---|
 //! | `rig` | a built-in rig, or a rig file beside this one |
-//! | `settled_mm`, `tolerance` | 0.05, and the allowed error of a step of the integrator: by default that of the drive, for draws that of a perturbed run |
+//! | `settled_mm`, `tolerance` | `test.tolerance_mm` of the rig, unless it is given here, and the allowed error of a step of the integrator: by default that of the drive, for draws that of a perturbed run |
 //! | `ensemble` | 1; with more, each point is run with perturbed runs, and its metrics are ranges over them; not with `[draw]` |
 //! | `[set]` | keys of the rig that all points have in common |
 //! | `[vary]` | a key and its values (`file/vary.rs`) |
@@ -17,7 +17,7 @@ mod names;
 mod vary;
 
 use pneudrive_sim::rig::Problems;
-use pneudrive_sim::{Accuracy, Rig};
+use pneudrive_sim::{Accuracy, Rig, keys};
 use toml_edit::{Item, Table, TableLike};
 
 use super::axis::Draw;
@@ -25,7 +25,7 @@ use super::metric::{FIGURES, Metric, MoveSelection};
 use super::{Axis, Bound, Objective, Source, Sweep};
 use fields::{Entry, Reader, count, known, nearest_of, number, only, text};
 use names::plain_name;
-use pneudrive_evaluate::evaluation::TOLERANCE_MM;
+use pneudrive_sim::schedule::USUAL_TOLERANCE_MM;
 
 const TOP: [&str; 10] = [
     "rig",
@@ -74,7 +74,6 @@ impl Sweep {
             rig,
             settings,
             tolerance: reader.tolerance(top),
-            settled_mm: reader.positive(top, "settled_mm", TOLERANCE_MM),
             ensemble: reader.ensemble(top, &axes),
             draws,
             objective: reader.objective(top, &metrics),
@@ -143,8 +142,9 @@ impl Reader<'_> {
             return None;
         }
         let entries = self.rig_keys(top, "set");
-        let settings: Vec<String> =
-            entries.iter().filter_map(|entry| self.note(entry, setting(entry))).collect();
+        let settled = self.settled(top, &entries);
+        let own = entries.iter().filter_map(|entry| self.note(entry, setting(entry)));
+        let settings: Vec<String> = own.chain(settled).collect();
         match Rig::read_with(&source.name, &source.text, &settings) {
             Ok(rig) => Some((source, rig, settings)),
             Err(problems) => {
@@ -158,6 +158,15 @@ impl Reader<'_> {
                 None
             }
         }
+    }
+
+    /// `settled_mm` as the key of the rig that it sets.
+    fn settled(&mut self, top: &Table, set: &[Entry<'_>]) -> Option<String> {
+        let (key, entry) = (&keys::test::TOLERANCE_MM, self.entry(top, "settled_mm")?);
+        if set.iter().any(|entry| entry.name == key.path) {
+            self.note(&entry, Err::<(), _>(format!("is also in [set], as {}; remove one of them", key.path)));
+        }
+        Some(key.setting(self.positive(top, "settled_mm", USUAL_TOLERANCE_MM)))
     }
 
     fn tolerance(&mut self, top: &Table) -> Option<f64> {

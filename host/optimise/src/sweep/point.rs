@@ -13,7 +13,7 @@ use super::{Metric, Sweep};
 use crate::ensemble::{Ensemble, run_ensemble};
 use crate::runners::Runners;
 use pneudrive_evaluate::cancel::CancelToken;
-use pneudrive_evaluate::evaluation::{Move, moves_of_run};
+use pneudrive_evaluate::evaluation::{Move, moves_of_run, tolerance_mm};
 use pneudrive_evaluate::range::Range;
 
 /// A line of the result.
@@ -132,15 +132,14 @@ impl Points<'_> {
 
     fn measured(&self, point: usize, rig: &Rig) -> Result<Row, String> {
         let (sweep, accuracy) = (self.sweep, self.sweep.accuracy_for(rig));
-        let measure = |rig: &Rig, run: &Run| moves_of_run(rig, run, sweep.settled_mm);
         if sweep.is_drawn() {
-            let row = |run: &Run| row(sweep, point, run, &[measure(rig, run)]);
+            let row = |run: &Run| row(sweep, point, rig, run, &[moves_of_run(rig, run)]);
             return self.runners.run(rig, accuracy, row).unwrap_or_else(|error| Err(error.to_string()));
         }
         let spacing = Spacing { runs: sweep.ensemble, ..Spacing::default() };
-        let ensemble = run_ensemble(rig, accuracy, spacing, measure, |_, _| {}, CancelToken::NEVER);
+        let ensemble = run_ensemble(rig, accuracy, spacing, moves_of_run, |_, _| {}, CancelToken::NEVER);
         let Ensemble { nominal, measured } = ensemble.map_err(|error| format!("{error:#}"))?;
-        let row = row(sweep, point, &nominal.run, &measured)?;
+        let row = row(sweep, point, rig, &nominal.run, &measured)?;
         let of_member =
             nominal.lost.tripped.first().map(|fault| format!("{} of a perturbed run", fault_name(*fault)));
         Ok(Row {
@@ -157,9 +156,9 @@ impl Points<'_> {
 }
 
 /// The row of a run; `moves` has its own, and then those of its perturbed runs.
-fn row(sweep: &Sweep, point: usize, run: &Run, moves: &[Vec<Move>]) -> Result<Row, String> {
+fn row(sweep: &Sweep, point: usize, rig: &Rig, run: &Run, moves: &[Vec<Move>]) -> Result<Row, String> {
     let over_runs = |metric: &Metric| -> Result<Range, String> {
-        let values = moves.iter().map(|moves| metric.value(moves, sweep.settled_mm));
+        let values = moves.iter().map(|moves| metric.value(moves, tolerance_mm(Some(rig))));
         Ok(Range::of(&values.collect::<Result<Vec<_>, _>>()?))
     };
     let ranges: Vec<Range> = sweep.metrics.iter().map(over_runs).collect::<Result<_, _>>()?;

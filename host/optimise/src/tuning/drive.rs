@@ -2,6 +2,7 @@
 
 use anyhow::{Error, Result};
 
+use super::memory::Memory;
 use super::search::{Budget, Outcome, search};
 use super::trial::{MEMBERS, Trial};
 use super::{Found, Performance, Space, Task, Variant, fixed};
@@ -64,6 +65,12 @@ impl<'a> Meter<'a> {
         (self.tell)(self.at);
     }
 
+    /// Candidates that were run before an interruption, on this many variants each.
+    fn recall(&mut self, known: &[Cost], variants: usize) {
+        self.runs += known.iter().map(|one| one.runs).sum::<usize>();
+        self.done(known.len() * variants);
+    }
+
     pub fn runs(&self) -> usize {
         self.runs
     }
@@ -74,22 +81,32 @@ pub(super) struct TunedDrive<'a> {
     pub task: &'a Task,
     pub trial: Trial,
     pub space: Space,
+    /// Keys that are set beside those of the task.
+    more: Vec<String>,
+    pub with: Companions<'a>,
+}
+
+/// What goes with a tuning.
+#[derive(Clone, Copy)]
+pub(super) struct Companions<'a> {
     /// Ends the tuning early.
     pub cancel: CancelToken<'a>,
+    /// What is computed already.
+    pub memory: &'a Memory,
 }
 
 impl TunedDrive<'_> {
     /// The rig of a task; `more` keys are set.
-    pub fn of<'a>(task: &'a Task, more: &[String], cancel: CancelToken<'a>) -> Result<TunedDrive<'a>> {
+    pub fn of<'a>(task: &'a Task, more: &[String], with: Companions<'a>) -> Result<TunedDrive<'a>> {
         let trial = Trial::of(task, more)?;
         task.spread.check(&trial.rig)?;
         let space = Space::of(&trial.rig, task.goal.settled_mm, &fixed::keys(task))?;
-        Ok(TunedDrive { task, trial, space, cancel })
+        Ok(TunedDrive { task, trial, space, more: more.to_vec(), with })
     }
 
     /// The step with these gains on a variant of the rig, unless the tuning is cancelled.
     fn run(&self, settings: &[String], variant: &Variant) -> Performance {
-        if self.cancel.is_live() {
+        if self.with.cancel.is_live() {
             self.trial.run(settings, variant)
         } else {
             Performance::failed(Cancelled.to_string())
@@ -110,8 +127,7 @@ impl TunedDrive<'_> {
         let mut order: Vec<usize> = (0..variants.len()).collect();
         let mut refused = vec![0_usize; variants.len()];
         let costs = |variables: &[Vec<f64>], limits: &[f64]| {
-            let ordered: Vec<&Variant> = order.iter().map(|&place| &variants[place]).collect();
-            let found = self.costs(variables, limits, &ordered, meter);
+            let found = self.costs_once(variables, limits, (variants, &order), meter);
             for place in found.iter().filter_map(|one| one.given_up_at) {
                 refused[order[place]] += 1;
             }
@@ -120,6 +136,27 @@ impl TunedDrive<'_> {
             found.iter().map(|one| one.mean).collect()
         };
         search(self.space.len(), budget, start, costs)
+    }
+
+    /// The cost of each candidate, computed now or before an interruption.
+    fn costs_once(
+        &self,
+        variables: &[Vec<f64>],
+        limits: &[f64],
+        (variants, order): (&[Variant], &[usize]),
+        meter: &mut Meter,
+    ) -> Vec<Cost> {
+        let question = (&self.more, variables, limits, order);
+        if let Some(known) = self.with.memory.recalled(&question) {
+            meter.recall(&known, variants.len());
+            return known;
+        }
+        let ordered: Vec<&Variant> = order.iter().map(|&place| &variants[place]).collect();
+        let found = self.costs(variables, limits, &ordered, meter);
+        if self.with.cancel.is_live() {
+            self.with.memory.keep(&question, &found);
+        }
+        found
     }
 
     /// The cost of each candidate: the mean over the variants. One that is above its limit, whatever the variants that
@@ -157,7 +194,8 @@ impl TunedDrive<'_> {
         let settings = shares.map_or_else(Vec::new, |shares| self.space.settings(shares));
         let places = shares.map_or_else(Vec::new, |shares| self.space.places(shares));
         let performances = self.judged(&settings, tuned_on, meter);
-        let members = self.cancel.check().map_err(Error::from).and_then(|()| self.trial.members(&settings));
+        let members =
+            self.with.cancel.check().map_err(Error::from).and_then(|()| self.trial.members(&settings));
         meter.runs += MEMBERS;
         meter.done(MEMBERS);
         let members = members.unwrap_or_else(|error| vec![Performance::failed(format!("{error:#}"))]);
@@ -177,10 +215,11 @@ impl TunedDrive<'_> {
 const ROUNDING: f64 = 1e-12;
 
 /// The cost of a candidate.
-struct Cost {
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Cost {
     /// Its mean cost; for one that was given up, the cost on its checked variants over the number of all.
-    mean: f64,
+    pub mean: f64,
     /// Which variant put it above its limit.
-    given_up_at: Option<usize>,
-    runs: usize,
+    pub given_up_at: Option<usize>,
+    pub runs: usize,
 }

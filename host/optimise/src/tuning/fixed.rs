@@ -7,9 +7,11 @@ use pneudrive_sim::rigfile::value_of_setting;
 use super::Task;
 
 /// The keys that the step sets itself.
-const OF_THE_STEP: [&str; 4] = [
+const OF_THE_STEP: [&str; 6] = [
     keys::test::MOVES.key.path,
+    keys::test::MOVES_MM.key.path,
     keys::test::TARGETS.key.path,
+    keys::test::TARGETS_MM.key.path,
     keys::test::DURATION_S.key.path,
     keys::test::POSITION_M.key.path,
 ];

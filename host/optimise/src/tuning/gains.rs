@@ -203,6 +203,13 @@ impl Space {
         free.filter_map(|(key, value)| Some(format!("{key}={}", value?))).collect()
     }
 
+    /// The keys that a search sets.
+    #[must_use]
+    pub fn keys(&self) -> Vec<String> {
+        let settings = self.settings(&vec![0.5; self.len()]);
+        settings.iter().filter_map(|one| Some(one.split_once('=')?.0.to_owned())).collect()
+    }
+
     /// Those of a law that knows its drive, to a thousandth.
     fn of_model(&self, shares: &[f64]) -> Vec<String> {
         let set = |(variable, share): (&&'static DesignVariable, &f64)| {

@@ -35,7 +35,7 @@ pub(super) fn search(
     let each = budget.runs(tuned_on.len()) + tuned_on.len() + fresh.len();
     meter.begin(Stage::Obstacles, suspects.len() * each);
     let found = |suspect: Suspect| {
-        let without = TunedDrive::of(task, &suspect.settings, drive.cancel)?;
+        let without = TunedDrive::of(task, &suspect.settings, drive.with)?;
         let outcome = without.search(&budget, start, tuned_on, meter);
         let settings = without.space.settings(&outcome.population[0]);
         let places = without.space.places(&outcome.population[0]);

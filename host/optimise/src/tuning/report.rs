@@ -2,19 +2,20 @@
 
 pub mod figures;
 mod numbers;
+mod rig_file;
 pub mod sines;
 pub mod tables;
 
 use std::path::Path;
 
 use anyhow::Result;
-use pneudrive_records::rig_text;
 
 use super::trial::Trial;
 use super::{Behaviour, Found, Goal, Proportion, Space, Task, Tuned};
 use pneudrive_report::{Figure, Library, Page, Table};
 
 pub use numbers::to_json;
+pub use rig_file::{MARK, rig_file};
 
 /// Writes the page: the fresh draws first.
 ///
@@ -195,17 +196,3 @@ fn asked(task: &Task, trial: &Trial, tuned: &Tuned) -> String {
         task.budget.seed,
     )
 }
-
-/// The rig file with the settings and the gains; its first line gives its origin.
-///
-/// # Errors
-/// When the text is not TOML.
-pub fn rig_file(task: &Task, tuned: &Tuned) -> Result<String> {
-    let typed: Vec<String> = task.settings.iter().chain(&task.fixed).cloned().collect();
-    let text = rig_text::with_settings(&task.source.1, &typed, "set for pneudrive tune")?;
-    let text = rig_text::with_settings(&text, &tuned.after.settings, "found by pneudrive tune")?;
-    Ok(format!("{MARK}: {}\n{text}", verdict(task, tuned)))
-}
-
-/// First line of a rig file that was written here.
-pub const MARK: &str = "# Written by pneudrive tune";

@@ -239,7 +239,8 @@ fn genes_of_a_rig_with_another_encoder_or_period_are_in_its_own_counts_and_sampl
     let task = task("servo-b", &[]);
     let gain = |more: &[&str], key: &str| {
         let more: Vec<String> = more.iter().map(|&one| one.to_owned()).collect();
-        let drive = TunedDrive::of(&task, &more, CancelToken::NEVER).expect("a drive");
+        let with = Companions { cancel: CancelToken::NEVER, memory: &Memory::default() };
+        let drive = TunedDrive::of(&task, &more, with).expect("a drive");
         let settings = drive.space.settings(&vec![0.4; drive.space.len()]);
         let value = settings.iter().find_map(|one| one.strip_prefix(&format!("{key}="))).expect("a gain");
         value.parse::<f64>().expect("a number")

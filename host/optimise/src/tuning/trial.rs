@@ -28,10 +28,12 @@ pub(super) const MEMBERS: usize = 8;
 pub(super) const DWELL_S: f64 = 0.1;
 
 /// The keys of a rig's own test for moves, rows and records: the step has its own.
-const SCHEDULE: [&str; 9] = [
+const SCHEDULE: [&str; 11] = [
     "move",
     "moves",
+    "moves_mm",
     "targets",
+    "targets_mm",
     "profile",
     "repeat_every_s",
     "impulse",

@@ -3,10 +3,12 @@
 use std::ops::RangeInclusive;
 
 use pneudrive_evaluate::cancel::CancelToken;
+use pneudrive_evaluate::evaluation::tolerance_mm;
 use pneudrive_optimise::tuning::search::Budget;
 use pneudrive_optimise::tuning::{
     self, Behaviour, Progress, Relative, Space, Stage, Task, behaviour, report, tune,
 };
+use pneudrive_sim::Rig;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
@@ -28,8 +30,8 @@ pub struct TuneRequest {
 pub struct Goal {
     /// Size of the step, mm.
     step_mm: f64,
-    /// The drive has settled within this distance of its setpoint, mm.
-    settled_mm: f64,
+    /// The drive has settled within this distance of its setpoint, mm; none: `test.tolerance_mm` of the rig.
+    settled_mm: Option<f64>,
     /// Largest overshoot allowed, % of the step.
     overshoot_percent: f64,
     /// Time for the step each way, s.
@@ -58,7 +60,7 @@ impl Default for Goal {
     fn default() -> Goal {
         Goal {
             step_mm: 60.0,
-            settled_mm: 0.05,
+            settled_mm: Some(tolerance_mm(None)),
             overshoot_percent: 1.0,
             time_s: 1.5,
             load_percent: 30.0,
@@ -77,12 +79,13 @@ impl TuneRequest {
         let task = self.task()?;
         let impossible = |error: anyhow::Error| HttpRefusal::wrong(format!("{error:#}"));
         let runs = task.max_runs().map_err(impossible)?;
-        let searched = Space::of(&self.asked.rig()?, self.goal.settled_mm, &[]).map_err(impossible)?.names();
+        let rig = self.asked.rig()?;
+        let searched = Space::of(&rig, self.goal.settled_on(&rig), &[]).map_err(impossible)?.names();
         let Budget { population, generations, .. } = task.budget;
         Ok(json!({
             "command": self.asked.command("tune", &format!("{} --out tuned", self.goal.options(&task.budget))),
             "size": format!("{runs} runs at most"),
-            "search": { "population": population, "generations": generations, "what": searched },
+            "search": { "settled_mm": task.goal.settled_mm, "population": population, "generations": generations, "what": searched },
         }))
     }
 
@@ -111,7 +114,8 @@ impl TuneRequest {
     }
 
     fn task(&self) -> Result<Task, HttpRefusal> {
-        let [population, generations] = Budget::usual(&self.asked.rig()?);
+        let rig = self.asked.rig()?;
+        let [population, generations] = Budget::usual(&rig);
         let goal = self.goal.checked()?;
         let population = goal.population.unwrap_or(population);
         let generations = goal.generations.unwrap_or(generations);
@@ -121,7 +125,7 @@ impl TuneRequest {
             fixed: Vec::new(),
             goal: tuning::Goal {
                 step_mm: goal.step_mm,
-                settled_mm: goal.settled_mm,
+                settled_mm: goal.settled_on(&rig),
                 overshoot_percent: goal.overshoot_percent,
                 time_s: goal.time_s,
             },
@@ -156,7 +160,9 @@ impl Goal {
     fn checked(self) -> Result<Goal, HttpRefusal> {
         let above_zero = f64::MIN_POSITIVE..=f64::MAX;
         within("step", self.step_mm, &above_zero, "above 0 mm")?;
-        within("settled within", self.settled_mm, &above_zero, "above 0 mm")?;
+        if let Some(settled_mm) = self.settled_mm {
+            within("settled within", settled_mm, &above_zero, "above 0 mm")?;
+        }
         within("overshoot", self.overshoot_percent, &above_zero, "above 0 %")?;
         within("time", self.time_s, &(0.1..=100.0), "between 0.1 and 100 s")?;
         for (name, percent) in [
@@ -174,12 +180,17 @@ impl Goal {
         Ok(Goal { time_s: (1e3 * self.time_s).round() / 1e3, ..self })
     }
 
+    /// The tolerance, mm; that of the rig if none is asked for.
+    fn settled_on(&self, rig: &Rig) -> f64 {
+        self.settled_mm.unwrap_or_else(|| tolerance_mm(Some(rig)))
+    }
+
     /// As the command takes it.
     fn options(&self, Budget { population, generations, .. }: &Budget) -> String {
+        let settled = self.settled_mm.map_or_else(String::new, |mm| format!(" --tolerance-mm {mm}"));
         format!(
-            "--step {} --settled {} --overshoot {} --time {} --load {}% --friction {}% --supply {}% --valve {}% --draws {} --population {population} --generations {generations}",
+            "--step {}{settled} --overshoot {} --time {} --load {}% --friction {}% --supply {}% --valve {}% --draws {} --population {population} --generations {generations}",
             self.step_mm,
-            self.settled_mm,
             self.overshoot_percent,
             self.time_s,
             self.load_percent,
@@ -236,7 +247,10 @@ mod tests {
         assert!(Goal::default().checked().is_ok());
         let wrong = [
             (Goal { step_mm: 0.0, ..Goal::default() }, "step must be above 0 mm, is 0"),
-            (Goal { settled_mm: f64::NAN, ..Goal::default() }, "settled within must be above 0 mm, is NaN"),
+            (
+                Goal { settled_mm: Some(f64::NAN), ..Goal::default() },
+                "settled within must be above 0 mm, is NaN",
+            ),
             (Goal { time_s: 0.05, ..Goal::default() }, "time must be between 0.1 and 100 s, is 0.05"),
             (Goal { load_percent: 60.0, ..Goal::default() }, "load must be between 0 and 50 %, is 60"),
             (Goal { population: Some(1), ..Goal::default() }, "candidates must be between 2 and 1000, is 1"),

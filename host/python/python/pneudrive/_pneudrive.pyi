@@ -553,7 +553,7 @@ def evaluate(
     /,
     *,
     rig: _RigLike | None = None,
-    tolerance_mm: float = ...,
+    tolerance_mm: float | None = None,
     from_s: float | None = None,
     to_s: float | None = None,
     progress: _Progress = None,

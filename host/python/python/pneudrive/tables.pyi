@@ -647,6 +647,12 @@ class Test(Table):
     def move(self) -> list[dict[str, Any]] | None:
         """Moves with a profile, in mm and s, one table [[test.move]] each, in order of time; instead of moves."""
     @property
+    def moves_mm(self) -> list[list[float]] | None:
+        """[time in s, mm], in order of time: setpoints in closed loop, to the nearest count, whatever the encoder's resolution; instead of moves, mm."""
+    @property
+    def targets_mm(self) -> list[float] | None:
+        """The same as targets, in mm and in closed loop, mm."""
+    @property
     def profile(self) -> str:
         """How the setpoint goes to each of moves and targets: at once, or within the limits below."""
     @property
@@ -667,6 +673,9 @@ class Test(Table):
     @property
     def impulse(self) -> list[float] | None:
         """[time in s, duration in s, counts]: raises the setpoint, or the command in open loop, by the counts for the duration."""
+    @property
+    def tolerance_mm(self) -> float:
+        """A move has settled within this distance of its setpoint: for the figures of moves, tune and sweep. The controller does not know it, mm."""
     @property
     def trace_period_s(self) -> float | None:
         """Period of the rows of trace.csv; whole microseconds, s."""

@@ -6,6 +6,7 @@ use anyhow::{Context, Result, anyhow, bail};
 use pneudrive_sim::component::controller::Loop;
 use pneudrive_sim::component::encoder::{EncoderKind, mm_per_count};
 use pneudrive_sim::keys;
+use pneudrive_sim::schedule::MOVE_FORMS;
 use pneudrive_sim::trace::{COLUMNS, Extra, to_csv};
 use pneudrive_sim::{Accuracy, Method, Rig, Run};
 use serde_json::Map;
@@ -180,8 +181,7 @@ fn rig_in(path: &Path, description: &serde_json::Value) -> Result<Rig> {
 
 /// run.json has the default of test.moves beside the moves that hold; a rig file may not have both.
 fn with_one_form_of_moves(mut keys: Map<String, serde_json::Value>) -> Map<String, serde_json::Value> {
-    let others = [&keys::test::TARGETS.key, &keys::test::MOVE.key];
-    if others.iter().any(|form| keys.contains_key(form.path)) {
+    if MOVE_FORMS.iter().filter(|form| keys.contains_key(form.path)).count() > 1 {
         keys.remove(keys::test::MOVES.path);
     }
     keys

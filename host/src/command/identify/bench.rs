@@ -14,6 +14,7 @@ use pneudrive_sim::Rig;
 use pneudrive_sim::component::controller::Loop;
 use pneudrive_sim::keys;
 
+use super::kept::Kept;
 use crate::cli::RigChoice;
 use crate::command::record::record;
 use crate::command::rig_source::load_rig;
@@ -40,11 +41,18 @@ pub(super) fn execute(choice: &RigChoice, port: &str, folder: &Path) -> Result<R
     if let Some(note) = of_hanging_load(&closed) {
         tell!("{note}");
     }
+    let mut kept = Kept::open(folder, &closed, count)?;
+    if kept.len() > 0 {
+        tell!("the plan goes on behind the {} tests that an interrupted one has recorded", kept.len());
+    }
+    let count = kept.count;
     // If this program is killed, the next plan gives its loop back.
-    lend(&mut client, &[id::OPEN_LOOP], |client| {
-        plan::run(&mut AtPort { client, folder }, &closed, &open, count)
+    let recorded = lend(&mut client, &[id::OPEN_LOOP], |client| {
+        plan::run(&mut AtPort { client, folder, kept: &mut kept }, &closed, &open, count)
     })
-    .map_err(of_trip)
+    .map_err(of_trip)?;
+    kept.end()?;
+    Ok(recorded)
 }
 
 /// The warning about a hanging load during a plan; None if the axis is level as far as a file can say.
@@ -63,14 +71,15 @@ fn of_trip(error: Error) -> Error {
         return error;
     }
     error.context(
-        "the plan has ended: the valve is at its null, and only the air in the cylinder holds a load that hangs; the records so far are kept",
+        "the plan has ended: the valve is at its null, and only the air in the cylinder holds a load that hangs; the records so far are kept, and once the drive is armed and disarmed, the same command goes on behind them",
     )
 }
 
-/// A rig at a port, and the folder for its records.
+/// A rig at a port, the folder for its records, and those that are there.
 struct AtPort<'a> {
     client: &'a mut Client,
     folder: &'a Path,
+    kept: &'a mut Kept,
 }
 
 impl TestRig for AtPort<'_> {
@@ -85,6 +94,14 @@ impl TestRig for AtPort<'_> {
         let (path, file) = record(self.client, self.folder)?;
         say!("{}: {name}", path.display());
         Ok((path.file_name().unwrap_or_default().to_string_lossy().into_owned(), file))
+    }
+
+    fn kept(&mut self, name: &str) -> Option<(String, TargetFile)> {
+        self.kept.record(name)
+    }
+
+    fn keep(&mut self, name: &str, file: &str) -> Result<()> {
+        self.kept.keep(name, file)
     }
 }
 
@@ -106,7 +123,8 @@ mod tests {
         let served = Background::start(served, Listener::open("tcp:127.0.0.1:0").expect("a port"));
         let mut client = Client::connect(served.port()).expect("it answers");
         let folder = tempfile::tempdir().expect("a folder");
-        AtPort { client: &mut client, folder: folder.path() }.run(&rig).expect("a run");
+        let mut kept = Kept::open(folder.path(), &rig, 0).expect("a folder");
+        AtPort { client: &mut client, folder: folder.path(), kept: &mut kept }.run(&rig).expect("a run");
         assert_eq!(client.status().expect("it answers").mode, Mode::Disarmed);
     }
 
@@ -120,7 +138,7 @@ mod tests {
         let tripped = of_trip(Failure::Tripped.error("the rig tripped"));
         assert!(
             format!("{tripped:#}")
-                .contains("a load that hangs; the records so far are kept: the rig tripped")
+                .contains("a load that hangs; the records so far are kept, and once the drive is armed and disarmed, the same command goes on behind them: the rig tripped")
         );
         assert_eq!(Exit::after(&tripped), Exit::Tripped);
         assert_eq!(format!("{:#}", of_trip(Failure::NoAnswer.error("gone"))), "gone");

@@ -5,7 +5,8 @@ use pneudrive_design::breakaway::Breakaway;
 use pneudrive_design::values;
 use pneudrive_optimise::runnable::{Obstacle, Remedy, obstacle};
 use pneudrive_optimise::sensitivity::{Effect, Sensitivity, sensitivity};
-use pneudrive_sim::component::controller::Law;
+use pneudrive_sim::component::controller::{Law, Loop};
+use pneudrive_sim::component::encoder::mm_per_count;
 use pneudrive_sim::rig::Source;
 use pneudrive_sim::rigfile::builtin;
 use pneudrive_sim::{Rig, keys};
@@ -29,7 +30,8 @@ pub(super) fn execute(file: &str, quick: bool) -> Result<()> {
     }
     stall_remarks(&rig).iter().for_each(|remark| say!("{file}: {remark}"));
     say!("{file}: a valid rig ({})", rig.name());
-    json::figures(|| json!({ "rig": rig.name(), "unused": rig.unused() }));
+    say!("{file}: {}", moves(&rig));
+    json::figures(|| json!({ "rig": rig.name(), "unused": rig.unused(), "moves": places(&rig) }));
     // The comments of the built-in rigs give the source of each value.
     if !is_to_run {
         return Ok(());
@@ -43,6 +45,29 @@ pub(super) fn execute(file: &str, quick: bool) -> Result<()> {
         rank(&rig)?;
     }
     Ok(())
+}
+
+/// The moves of a test: when, to where in mm, and in counts; in open loop commands.
+fn moves(rig: &Rig) -> String {
+    let place = |one: &Value| match one["to_mm"].as_f64() {
+        Some(mm) => format!("{mm:.3} mm ({} counts)", one["to_counts"]),
+        None => format!("{} counts of the valve", one["to_counts"]),
+    };
+    let all = places(rig);
+    let first = all
+        .iter()
+        .take(SHOWN)
+        .map(|one| format!("at {} s {}", one["at_s"].as_f64().unwrap_or(0.0), place(one)));
+    let more = all.len().saturating_sub(SHOWN);
+    let rest = (more > 0).then(|| format!("and {more} more"));
+    format!("moves: {}", first.chain(rest).collect::<Vec<_>>().join(", "))
+}
+
+fn places(rig: &Rig) -> Vec<Value> {
+    let closed = rig.get(&keys::controller::LOOP) == Loop::Closed;
+    let mm = |counts: i64| closed.then(|| counts as f64 * mm_per_count(rig));
+    let place = |(at_s, to): (f64, i64)| json!({ "at_s": at_s, "to_counts": to, "to_mm": mm(to) });
+    rig.moves().into_iter().map(place).collect()
 }
 
 /// What the stall detector makes of a load that breaks away late, or never.

@@ -110,7 +110,8 @@ const GENERATIONS: u16 = 10;
 fn tuning(file: &Path, rig: &Rig, folder: &Path, generations: u16) -> Vec<String> {
     let stroke_mm = 1e3 * rig.get(&keys::actuator::STROKE_M);
     let step = STEP_MM.min((STEP_SHARE * stroke_mm).floor());
-    let options = format!("--step {step} --settled 1 --population 16 --generations {generations} --out");
+    let tolerance = if rig.is_set(&keys::test::TOLERANCE_MM) { "" } else { " --tolerance-mm 1" };
+    let options = format!("--step {step}{tolerance} --population 16 --generations {generations} --out");
     let paths = [file, folder].map(|path| path.display().to_string());
     let [file, folder] = paths;
     std::iter::once("tune".to_owned())

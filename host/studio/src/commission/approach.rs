@@ -2,12 +2,11 @@
 //! stands elsewhere goes there slowly, after a question.
 
 use anyhow::{Result, bail};
+use pneudrive_session::slow_move::GO_MM_PER_S;
 use pneudrive_sim::Rig;
 use pneudrive_sim::component::controller::{Loop, keys as controller};
 use pneudrive_sim::keys;
 use serde_json::{Value, json};
-
-use super::ramp::GO_MM_PER_S;
 
 /// A drive this near to the start counts as there, mm.
 const NEAR_MM: f64 = 1.0;

@@ -4,7 +4,7 @@ use pneudrive_sim::{Rig, Run};
 
 use super::steadiness::{Steadiness, Swing, swing};
 use pneudrive_evaluate::deviation::deviations;
-use pneudrive_evaluate::evaluation::{Motion, Move, TOLERANCE_MM, moves};
+use pneudrive_evaluate::evaluation::{Motion, Move, moves, tolerance_mm};
 use pneudrive_evaluate::transient::{COMMAND, POSITION, SETPOINT, Transient};
 
 /// A run and its figures.
@@ -27,7 +27,7 @@ impl Outcome {
         let transient = Transient::of_simulation(name, rig, run);
         Outcome {
             name,
-            moves: moves(&transient, &Motion::of(&transient), None, TOLERANCE_MM),
+            moves: moves(&transient, &Motion::of(&transient), None, tolerance_mm(Some(rig))),
             transient,
             evaluations: run.work.integrator.n_rhs_evaluations,
             tripped: run.fault.map(|(_, sample)| sample as usize),
@@ -182,7 +182,7 @@ mod tests {
         transient.channels[COMMAND] = (0..time.len()).map(command).collect();
         transient.counts = transient.channels[POSITION].iter().map(|mm| (mm * 100.0) as i32).collect();
         transient.time = time;
-        let moves = moves(&transient, &Motion::of(&transient), None, TOLERANCE_MM);
+        let moves = moves(&transient, &Motion::of(&transient), None, tolerance_mm(None));
         Outcome { name: "straight", transient, moves, evaluations: 1, tripped: None }
     }
 

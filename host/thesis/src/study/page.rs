@@ -2,7 +2,7 @@
 
 use super::steadiness::SEEN_MM;
 use super::{Finding, Studied, Study, Variant, Verdict};
-use pneudrive_evaluate::evaluation::{self, TOLERANCE_MM};
+use pneudrive_evaluate::evaluation;
 use pneudrive_evaluate::report;
 use pneudrive_evaluate::transient::Transient;
 use pneudrive_report::{Figure, Page, Table};
@@ -11,7 +11,7 @@ use pneudrive_report::{Figure, Page, Table};
 #[must_use]
 pub fn page(study: &Study, studied: &Studied) -> Page {
     let moves = study.variants.iter().zip(&studied.moves).map(|(variant, moves)| {
-        let table = evaluation::table(moves, TOLERANCE_MM);
+        let table = evaluation::table(moves, evaluation::tolerance_mm(None));
         Table { heading: format!("{}: {}", variant.name, table.heading), ..table }
     });
     let transients: Vec<Transient> = studied.own.iter().map(|outcome| outcome.transient.clone()).collect();

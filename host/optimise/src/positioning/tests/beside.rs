@@ -1,13 +1,13 @@
 //! Steps beside the bang-bang bound.
 
-use pneudrive_evaluate::evaluation::{TOLERANCE_MM, moves_of_run};
+use pneudrive_evaluate::evaluation::moves_of_run;
 use pneudrive_sim::{Accuracy, Rig, run};
 
 use crate::positioning::{beside_bound, bound};
 
 fn sentences(rig: &Rig) -> Vec<String> {
     let run = run(rig, Accuracy::of(rig)).expect("runs");
-    beside_bound(rig, &moves_of_run(rig, &run, TOLERANCE_MM))
+    beside_bound(rig, &moves_of_run(rig, &run))
 }
 
 /// The step of the press is 125 mm, about its middle.

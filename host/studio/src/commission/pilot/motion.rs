@@ -7,6 +7,7 @@ use pneudrive_controller::parameters::id;
 use pneudrive_link::failure::Failure;
 use pneudrive_protocol::{Mode, Status};
 use pneudrive_records::rig_info::RigParameters;
+use pneudrive_session::slow_move::{self, GO_MM_PER_S, JOG_REACH_MM, slow_move};
 use pneudrive_session::test_run::{refuse_what_it_would, wait_for_null};
 use pneudrive_sim::Rig;
 use pneudrive_sim::component::controller::Loop;
@@ -16,10 +17,6 @@ use super::{Pilot, REST_OF_STREAM};
 use crate::commission::approach::Approach;
 use crate::commission::live::Live;
 use crate::commission::order::{Direction, JOG_SILENCE, Orders};
-use crate::commission::ramp::{GO_MM_PER_S, JOG_MM_PER_S, reachable, slow_move};
-
-/// How far one test of jogging goes, mm; a button that is held longer has another one follow.
-const JOG_REACH_MM: f64 = 30.0;
 
 /// What a test is run for.
 #[derive(Clone, Copy, Debug)]
@@ -168,13 +165,8 @@ impl Pilot<'_> {
     pub(super) fn go(&mut self, to_mm: f64, rig: &Rig) -> Result<()> {
         let status = self.look()?;
         let from_mm = self.place(&status)?;
-        let [least, most] = reachable(rig, &self.client.parameters()?);
-        if !(least..=most).contains(&to_mm) {
-            bail!(
-                "{to_mm} mm is out of reach: the drive goes from {least:.1} to {most:.1} mm; nothing was changed"
-            );
-        }
-        self.run(&slow_move(rig, from_mm, to_mm, GO_MM_PER_S)?, Purpose::Place)
+        let test = slow_move::go(rig, &self.client.parameters()?, from_mm, to_mm)?;
+        self.run(&test, Purpose::Place)
     }
 
     /// Begins to jog, goes on, or has the next stretch follow; `at`: when the button was heard.
@@ -184,13 +176,8 @@ impl Pilot<'_> {
         if !goes_on || status.mode == Mode::Done {
             let way = if direction == Direction::Extend { JOG_REACH_MM } else { -JOG_REACH_MM };
             let from_mm = self.place(&status)?;
-            let [least, most] = reachable(rig, &self.client.parameters()?);
-            // Beyond an end it goes no further that way, and never the other way.
-            let to_mm = match direction {
-                Direction::Extend => (from_mm + way).min(most).max(from_mm),
-                Direction::Retract => (from_mm + way).max(least).min(from_mm),
-            };
-            self.run(&slow_move(rig, from_mm, to_mm, JOG_MM_PER_S)?, Purpose::Jog(direction, at))?;
+            let test = slow_move::jog(rig, &self.client.parameters()?, from_mm, way)?;
+            self.run(&test, Purpose::Jog(direction, at))?;
         }
         self.jog = Some((direction, self.orders.confirmed(direction).unwrap_or(at)));
         Ok(())

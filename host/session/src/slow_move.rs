@@ -1,7 +1,8 @@
-//! A slow move, as a setpoint in small steps.
+//! Slow moves by hand, to a place or by a stretch: a test whose setpoint goes in small steps, within the reach of the drive.
 
 use anyhow::{Result, bail};
 use pneudrive_controller::parameters::id;
+use pneudrive_link::failure::Failure;
 use pneudrive_records::rig_info::RigParameters;
 use pneudrive_sim::Rig;
 use pneudrive_sim::component::controller::Loop;
@@ -13,6 +14,9 @@ pub const JOG_MM_PER_S: f64 = 10.0;
 
 /// Rate of a move to a place, mm/s.
 pub const GO_MM_PER_S: f64 = 50.0;
+
+/// How far one test of jogging goes, mm; a button that is held longer has another one follow.
+pub const JOG_REACH_MM: f64 = 30.0;
 
 /// Most steps of a move: a test has room for 64.
 const MAX_STEPS: f64 = 60.0;
@@ -52,8 +56,34 @@ pub fn slow_move(rig: &Rig, from_mm: f64, to_mm: f64, mm_per_s: f64) -> Result<R
     Ok(rig.with_test(&test)?)
 }
 
+/// The test that moves a drive with these parameters from where it stands to a place, mm.
+///
+/// # Errors
+/// When the place is out of its reach, or the loop is open.
+pub fn go(rig: &Rig, there: &RigParameters, from_mm: f64, to_mm: f64) -> Result<Rig> {
+    let [least, most] = reachable(rig, there);
+    if !(least..=most).contains(&to_mm) {
+        return Err(Failure::Refused.error(format!(
+            "{to_mm} mm is out of reach: the drive goes from {least:.1} to {most:.1} mm; nothing was changed"
+        )));
+    }
+    slow_move(rig, from_mm, to_mm, GO_MM_PER_S)
+}
+
+/// The test that moves a drive with these parameters on from where it stands, mm; below 0: towards the retracted end. Beyond an
+/// end of its reach it goes no further that way, and never the other way.
+///
+/// # Errors
+/// When the loop is open.
+pub fn jog(rig: &Rig, there: &RigParameters, from_mm: f64, by_mm: f64) -> Result<Rig> {
+    let [least, most] = reachable(rig, there);
+    let to_mm = from_mm + by_mm.clamp(-JOG_REACH_MM, JOG_REACH_MM);
+    let to_mm = if by_mm < 0.0 { to_mm.max(least).min(from_mm) } else { to_mm.min(most).max(from_mm) };
+    slow_move(rig, from_mm, to_mm, JOG_MM_PER_S)
+}
+
 /// The range of a drive with these parameters in closed loop, mm: within its stroke and its soft limits.
-pub fn reachable(rig: &Rig, there: &RigParameters) -> [f64; 2] {
+fn reachable(rig: &Rig, there: &RigParameters) -> [f64; 2] {
     let end = |id, otherwise: f64| {
         let counts = there.values.get(id).filter(|_| !there.lacking.contains(&id));
         counts.map_or(otherwise, |counts| f64::from(counts) * mm_per_count(rig))
@@ -102,5 +132,40 @@ mod tests {
     fn an_open_loop_has_no_places() {
         let rig = Rig::read("open", "[controller]\nloop = \"open\"\n").expect("a rig");
         assert!(slow_move(&rig, 0.0, 1.0, 10.0).is_err());
+    }
+
+    fn there(rig: &Rig) -> RigParameters {
+        RigParameters { values: rig.parameters(), lacking: Vec::new() }
+    }
+
+    /// Where a test ends, mm.
+    fn end_mm(test: &Rig) -> f64 {
+        test.moves().last().expect("a move").1 as f64 * 0.01205
+    }
+
+    #[test]
+    fn a_place_out_of_reach_is_refused_by_the_ends_of_stroke_and_drive() {
+        let limited = rig().with_settings(&["safety.end_max_mm=200".to_owned()]).expect("valid");
+        for (there, to_mm, most) in [(there(&rig()), 301.0, "300.0"), (there(&limited), 201.0, "200.0")] {
+            let refusal = go(&rig(), &there, 100.0, to_mm).expect_err("out of reach").to_string();
+            assert!(refusal.contains(&format!("the drive goes from 0.0 to {most} mm")), "{refusal}");
+        }
+        let test = go(&rig(), &there(&limited), 100.0, 120.0).expect("within reach");
+        assert!((end_mm(&test) - 120.0).abs() < 0.02);
+    }
+
+    #[test]
+    fn a_jog_ends_at_the_end_of_the_reach_and_never_goes_the_other_way() {
+        let limited = there(&rig().with_settings(&["safety.end_max_mm=200".to_owned()]).expect("valid"));
+        for (from_mm, by_mm, to_mm) in [
+            (100.0, 5.0, 105.0),
+            (100.0, -5.0, 95.0),
+            (100.0, 80.0, 130.0),
+            (190.0, 30.0, 200.0),
+            (210.0, 30.0, 210.0),
+        ] {
+            let test = jog(&rig(), &limited, from_mm, by_mm).expect("a test");
+            assert!((end_mm(&test) - to_mm).abs() < 0.02, "{from_mm} by {by_mm}: {}", end_mm(&test));
+        }
     }
 }
