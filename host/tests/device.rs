@@ -298,8 +298,8 @@ fn a_refused_go_changes_nothing_on_the_drive() {
     for (refused, says) in [
         ("go 400mm --rig servo-b-tuned", "400 mm is out of reach: the drive goes from 0.0 to 300.0 mm"),
         ("go 120mm --rig fine.toml", "encoder.mm_per_count of the drive is not that of fine"),
-        ("go 120mm --rig servo-b-tuned", "another host"),
-        ("jog 5mm --rig servo-b-tuned", "another host"),
+        ("go 120mm --rig servo-b-tuned", "commands the drive"),
+        ("jog 5mm --rig servo-b-tuned", "commands the drive"),
     ] {
         let printed = device(refused);
         assert!(printed.contains(says) && !printed.ends_with("= 0"), "{refused}: {printed}");

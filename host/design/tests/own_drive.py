@@ -208,7 +208,7 @@ def main():
         print(f"{k * T:.6f} {state[0]!r} {state[3]!r} {state[5]!r}")
         seen.append(READ[k] if READ else math.floor(state[0] / count + 1e-9))
         n_k = lambda back: seen[max(k - back, 0)]
-        target = [c for t, c in rig["test.moves"] if t <= k * T + 1e-9][-1]
+        target = [math.floor(mm / 1e3 / count + 0.5) for t, mm in rig["test.moves_mm"] if t <= k * T + 1e-9][-1]
         n_p, n_v = target - n_k(0), n_k(0) - n_k(W_v)
         total = K_p[min(abs(n_p) // span, len(K_p) - 1)] * n_p - K_v * n_v - K_a * (n_v - n_k(W_a) + n_k(W_a + W_v))
         demand = 0 if abs(n_p) < band else math.trunc(total / scale)

@@ -26,6 +26,7 @@
 //! The same seed finds the same gains, whatever the number of threads.
 
 pub mod behaviour;
+mod cost;
 mod design_variable;
 pub mod drive;
 pub mod fixed;

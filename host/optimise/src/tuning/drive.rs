@@ -2,6 +2,7 @@
 
 use anyhow::{Error, Result};
 
+use super::cost::Cost;
 use super::memory::Memory;
 use super::search::{Budget, Outcome, search};
 use super::trial::{MEMBERS, Trial};
@@ -213,13 +214,3 @@ impl TunedDrive<'_> {
 
 /// Sums in another order of the variants differ by less.
 const ROUNDING: f64 = 1e-12;
-
-/// The cost of a candidate.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Cost {
-    /// Its mean cost; for one that was given up, the cost on its checked variants over the number of all.
-    pub mean: f64,
-    /// Which variant put it above its limit.
-    pub given_up_at: Option<usize>,
-    pub runs: usize,
-}

@@ -19,7 +19,7 @@ use pneudrive_records::own_file::refuse_to_replace;
 use pneudrive_records::whole_file::put;
 
 use super::Task;
-use super::drive::Cost;
+use super::cost::Cost;
 
 /// Its first line.
 const MARK: &str = "pneudrive-tune 1\n";

@@ -5,6 +5,7 @@ mod numbers;
 mod rig_file;
 pub mod sines;
 pub mod tables;
+mod verdict;
 
 use std::path::Path;
 
@@ -16,6 +17,7 @@ use pneudrive_report::{Figure, Library, Page, Table};
 
 pub use numbers::to_json;
 pub use rig_file::{MARK, rig_file};
+pub use verdict::verdict;
 
 /// Writes the page: the fresh draws first.
 ///
@@ -83,28 +85,6 @@ pub fn shown(tuned: &Tuned, behaviour: &Behaviour, goal: &Goal) -> Vec<Table> {
 pub fn notes(task: &Task, tuned: &Tuned) -> Vec<String> {
     let reason = reason(task, tuned);
     [verdict(task, tuned), nominal(task, tuned)].into_iter().chain(reason).chain(limits(tuned)).collect()
-}
-
-/// How often the goal is met in fresh draws, and in the trials that the gains were tuned on.
-#[must_use]
-pub fn verdict(task: &Task, tuned: &Tuned) -> String {
-    let goal = &task.goal;
-    let fresh = format!("The goal is met in {} of the fresh draws", tuned.after.met(goal));
-    if !tuned.is_changed() {
-        let why = if task.budget.generations == 0 {
-            "with the gains of the file, without a search"
-        } else {
-            "with the gains of the file; the search found none that are better in its own trials"
-        };
-        return format!("{fresh}, {why}.");
-    }
-    let seen = goal.met_in(&tuned.after.tuned_on);
-    format!(
-        "{fresh} (in brackets 95 % intervals), and in {} of {} trials that the gains were tuned on. With the gains of the file it is met in {} of the same fresh draws.",
-        seen.met,
-        seen.of,
-        tuned.before.met(goal)
-    )
 }
 
 /// Whether the rig of the file meets the goal, and its perturbed runs with it.

@@ -7,7 +7,7 @@ use pneudrive_sim::{Rig, keys};
 
 use super::super::trial::Trial;
 use super::super::{Space, Task, Tuned, fixed};
-use super::verdict;
+use super::verdict::verdict;
 
 /// First line of a rig file that was written here.
 pub const MARK: &str = "# Written by pneudrive tune";
