@@ -2,7 +2,9 @@
 
 use anyhow::bail;
 use pneudrive_evaluate::cancel::CancelToken;
-use pneudrive_evaluate::evaluation::{Chambers, Motion, moves, refuse_other_rig, tolerance_mm as own_tolerance_mm};
+use pneudrive_evaluate::evaluation::{
+    Chambers, Motion, moves, refuse_other_rig, tolerance_mm as own_tolerance_mm,
+};
 use pneudrive_evaluate::transient::Transient;
 use pneudrive_optimise::ensemble::run_ensemble;
 use pneudrive_records::run_folder::{StoredRun, rig_of};

@@ -133,8 +133,8 @@ fn with_ensemble(
 ) -> Result<(Judged, Vec<Vec<Measured>>)> {
     let tell = |done, all| meter.at(done, all);
     let pool = work::pool(None)?;
-    let ensemble =
-        pool.install(|| run_ensemble(rig, plan.accuracy, plan.spacing, moves_of_run, tell, CancelToken::NEVER))?;
+    let ensemble = pool
+        .install(|| run_ensemble(rig, plan.accuracy, plan.spacing, moves_of_run, tell, CancelToken::NEVER))?;
     let mut judged = ensemble.nominal;
     if plan.recording().valve {
         // The same run again, now with a look into the valve at every row.
@@ -360,7 +360,8 @@ impl Run {
     }
 
     fn __str__(&self, py: Python<'_>) -> PyResult<String> {
-        let evaluation = Py::new(py, Evaluation::of(py, self.measured(), tolerance_mm(Some(&self.rig.rig)))?)?;
+        let evaluation =
+            Py::new(py, Evaluation::of(py, self.measured(), tolerance_mm(Some(&self.rig.rig)))?)?;
         Ok(self.notes().join("\n") + "\n" + &evaluation.bind(py).str()?.to_string())
     }
 
