@@ -315,7 +315,7 @@ impl System<STATES, GUARDS, END_GUARDS> for Assembly {
     }
 
     fn beyond_model(&self, x: &StateVector) -> Option<&'static str> {
-        self.parts.actuator.used_up(x[slot::POSITION])
+        self.parts.actuator.used_up(x[slot::POSITION]).or_else(|| self.parts.network.jumps())
     }
 
     fn handle_event(&mut self, event: Event, t: f64, x: &mut StateVector) -> Derivative {

@@ -53,6 +53,7 @@ use following::Following;
 pub use node::Node;
 pub(crate) use nodes::{BoundaryConditions, Nodes};
 use predictor::Predictor;
+use restriction::Approach;
 
 /// The direction of the air in a port. It is fixed during a step; its reversal is an event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -119,6 +120,8 @@ pub struct Network {
     mach: f64,
     /// The square of C(54), the factor on every upstream Mach number.
     turbulence_squared: f64,
+    /// Approaches at the lands to the supply and at the ports that do not follow the flows.
+    given: Option<[Approach<Pair>; 2]>,
     nodes: Nodes,
     /// Whether `nodes` is a solution.
     started: bool,
@@ -145,7 +148,7 @@ pub struct NetworkWork {
     pub solutions: u64,
     /// Newton iterations of all solutions.
     pub iterations: u64,
-    /// Solutions by nested brackets, after Newton's method did not converge.
+    /// Solutions by nested brackets, where Newton's method did not converge.
     pub bracketed: u64,
     /// Passes of the brackets over the speeds of approach.
     pub passes: u64,
@@ -189,6 +192,7 @@ impl Network {
             returning: supply.temperature,
             mach: port_area.map_or(0.0, |area| gas.gas_constant / (gas.heat_capacity_ratio * area * area)),
             turbulence_squared: 1.0,
+            given: None,
             nodes: Nodes::alike(node),
             started: false,
             far: true,
@@ -253,6 +257,13 @@ impl Network {
     /// A mode has changed, so the next solution may be far from the last one.
     pub fn expect_jump(&mut self) {
         self.far = true;
+    }
+
+    /// Why flows jump, and the remedy, if Newton's method has lost them of late.
+    pub(crate) fn jumps(&self) -> Option<&'static str> {
+        (self.mach > 0.0 && self.failures > 0).then_some(
+            "the flow through the ports jumps, as the air gains more pressure from its speed behind wide lands than tubes and ports take: write valve.upstream_mach = false",
+        )
     }
 
     /// The supply, in front of its tube.

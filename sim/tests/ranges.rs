@@ -234,12 +234,12 @@ fn a_run_goes_on_where_a_solution_of_its_flows_comes_to_its_end() {
     }
 }
 
-/// Tubes that let next to nothing pass, with upstream Mach numbers: the air before the lands stands or comes at the
-/// speed of sound, each the consequence of the other. Once this took minutes to say.
+/// Tubes that let next to nothing pass, with upstream Mach numbers: the flow turns away from that of air at rest within a
+/// small part of its speed. Such runs once ended as "no number", after minutes at first.
 #[test]
-fn flows_that_contradict_themselves_end_a_run_by_name() {
+fn flows_behind_tubes_that_let_next_to_nothing_pass_are_found() {
     let [_, open, _] = tests("lut-solenoid");
     let tubes = ["tubing.reference_flow_kg_s=1e-5", "tubing.drop_slope=0.99", "valve.upstream_mach=true"];
     let outcome = outcome("lut-solenoid", &[open, tubes.map(str::to_owned).to_vec()].concat());
-    assert!(matches!(&outcome, Outcome::Ended(why) if why.contains("stopped being a number")), "{outcome:?}");
+    assert!(matches!(&outcome, Outcome::Ran), "{outcome:?}");
 }

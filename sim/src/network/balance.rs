@@ -81,17 +81,25 @@ impl Network {
             && !self.cylinder_tube.feels_temperature()
     }
 
-    /// Whether the usual pattern may be tried: all restrictions are orifices for air, and none is shut.
+    /// Whether the usual pattern may be tried: all restrictions are orifices for air that finds its own speed, and none is shut.
     #[inline(always)]
     pub(super) fn may_be_usual(&self, boundary: &BoundaryConditions) -> bool {
-        self.passes_air && self.is_plain() && !boundary.has_shut_land && boundary.valve.port.is_some()
+        self.passes_air
+            && self.is_plain()
+            && self.given.is_none()
+            && !boundary.has_shut_land
+            && boundary.valve.port.is_some()
     }
 
     /// The air in front of the lands, behind the supply's tube.
     #[inline(always)]
     pub(super) fn supply_side<const AT_REST: bool>(&self, nodes: &Nodes, at_valve: &FarEnd) -> Side {
         let station = GasState { exner: pair(at_valve.exner), temperature: self.supply_temperature() };
-        let approach = if AT_REST { None } else { self.supply_approach(&station, nodes.supply) };
+        let approach = match &self.given {
+            _ if AT_REST => None,
+            Some([at_lands, _]) => Some(*at_lands),
+            None => self.supply_approach(&station, nodes.supply),
+        };
         Side { station, approach, by_flow: pair(at_valve.by_flow) }
     }
 
@@ -111,7 +119,11 @@ impl Network {
             air.slopes.map(|slope| by_temperature * slope)
         });
         let station = GasState { exner: far_end.exner, ..boundary.chambers };
-        let approach = if AT_REST { None } else { self.port_approach(&station, back) };
+        let approach = match &self.given {
+            _ if AT_REST => None,
+            Some([_, at_ports]) => Some(*at_ports),
+            None => self.port_approach(&station, back),
+        };
         (Side { station, approach, by_flow: far_end.by_flow }, by_warmth)
     }
 

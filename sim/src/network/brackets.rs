@@ -1,13 +1,16 @@
 //! Solves the network by nested brackets: the flow of the supply tube outside, each node inside it, its port innermost.
 //!
 //! The brackets cannot fail, but they are slow. They are used where Newton's method fails, also on the way from air
-//! at rest. Only the speeds of approach may not converge: each pass takes them as given and finds them again.
+//! at rest. Only the speeds of approach may not converge: each pass takes them as given and finds them again. Between given
+//! speeds there is one solution, so that Newton's method may find it first.
 
 use super::mixing::mean_of_inflows;
+use super::rest::Slope;
 use super::restriction::{Approach, EndState, MaybeApproach, factor};
 use super::{BoundaryConditions, GasState, Network, Node, Nodes, PortFlow};
 use crate::component::valve::Conductances;
 use crate::component::valve::flow_law::FlowLaw;
+use crate::number::Pair;
 use pneudrive_solver::bracketed_root;
 
 /// Passes over the speeds of approach. As a rule, each pass halves the change.
@@ -27,6 +30,9 @@ const MAX_STEP_OF_FACTOR: f64 = 1e-3;
 /// Passes over the temperature of the air that charges a port without a bore. As a rule, one land gives this air
 /// after the first pass.
 const TEMPERATURE_PASSES: u32 = 4;
+
+/// How often the end of a bracket is halved: no tube passes less of what a choked land does.
+const MAX_HALVINGS: u32 = 60;
 
 /// The surroundings of one node, for given speeds of approach.
 struct NodeSide<'a> {
@@ -55,8 +61,7 @@ impl Network {
         for pass in 0..MAX_PASSES {
             self.work.passes += 1;
             let approaches = places.map(|node| node.map(|place| place.approach));
-            let nodes = self.balanced(boundary, &approaches);
-            self.nodes = Nodes::of(&nodes);
+            self.nodes = self.at_speeds(boundary, &approaches);
             let mut largest = 0.0_f64;
             for (i, node) in places.iter_mut().enumerate() {
                 for (place, found) in node.iter_mut().zip(self.approaches(i, boundary)) {
@@ -75,6 +80,19 @@ impl Network {
             }
         }
         false
+    }
+
+    /// The nodes for given speeds of approach: by Newton's method to rounding error, else by brackets.
+    fn at_speeds(&mut self, boundary: &BoundaryConditions, approaches: &[[MaybeApproach; 3]; 2]) -> Nodes {
+        let (tight, mut nodes) = (std::mem::replace(&mut self.tight, true), self.nodes);
+        self.given = Some([0, 2].map(|place| given(approaches.map(|node| node[place]))));
+        let found = self.newton(boundary, &mut nodes, Slope::Tangent);
+        (self.given, self.tight) = (None, tight);
+        if found {
+            return nodes;
+        }
+        self.work.bracketed += 1;
+        Nodes::of(&self.balanced(boundary, approaches))
     }
 
     /// The factors of approach at supply land, exhaust land and port of node `i`, for its present flows.
@@ -101,6 +119,8 @@ impl Network {
         let choked =
             |side: &NodeSide| self.more_than_choked(&side.laws[0], side.valve.supply / coldest, highest);
         let most: f64 = sides.iter().map(choked).sum();
+        let lowest = self.exhaust.exner.min(sides[0].chamber.exner).min(sides[1].chamber.exner);
+        let ends = ends_of(most, [lowest, highest], |total| self.supply_end(total).exner);
         let nodes_at = |total: f64| {
             let at_valve = self.supply_end(total).exner;
             sides.each_ref().map(|side| self.node_by_brackets(side, at_valve))
@@ -109,8 +129,7 @@ impl Network {
             let [one, two] = nodes_at(total);
             one.supply_flow + two.supply_flow - total
         };
-        let bracket = [(-most, excess(-most)), (most, excess(most))];
-        nodes_at(bracketed_root(excess, bracket, 1e-16))
+        nodes_at(bracketed_root(excess, ends.map(|total| (total, excess(total))), 1e-16))
     }
 
     /// The node at a given pressure behind the supply tube, where its net flow is zero.
@@ -153,8 +172,10 @@ impl Network {
             (side.valve.supply + side.valve.exhaust) / coldest,
             2.0 * highest,
         );
-        let m = bracketed_root(excess, [(-most, excess(-most)), (most, excess(most))], 1e-17);
-        node_for(m)
+        let lowest = at_valve.min(self.exhaust.exner).min(side.chamber.exner);
+        let behind = |m: f64| self.port_station(self.supply.temperature, &side.chamber, side.port, m).exner;
+        let ends = ends_of(most, [lowest, highest], behind);
+        node_for(bracketed_root(excess, ends.map(|m| (m, excess(m))), 1e-17))
     }
 
     /// The land flows at a node pressure. Inflows do not depend on the node's temperature, which follows from them.
@@ -207,7 +228,35 @@ impl Network {
         let highest = node.exner.max(side.chamber.exner);
         let coldest = node.temperature.min(side.chamber.temperature);
         let most = self.more_than_choked(&self.laws.port, bore / coldest, highest);
-        bracketed_root(excess, [(-most, excess(-most)), (most, excess(most))], 1e-17)
+        let lowest = node.exner.min(side.chamber.exner);
+        let behind = |m: f64| self.port_station(here.temperature, &side.chamber, side.port, m).exner;
+        let ends = ends_of(most, [lowest, highest], behind);
+        bracketed_root(excess, ends.map(|m| (m, excess(m))), 1e-17)
+    }
+}
+
+/// The ends of a bracket of flows: `most` either way, or less where the tube at the end of which w is `exner_at` passes
+/// less. Beyond twice the highest or half of the lowest w around it no air flows on, whatever its speed of approach.
+fn ends_of(most: f64, [lowest, highest]: [f64; 2], exner_at: impl Fn(f64) -> f64) -> [f64; 2] {
+    let around = 0.5 * lowest..=2.0 * highest;
+    [-most, most].map(|mut end| {
+        for _ in 0..MAX_HALVINGS {
+            if around.contains(&exner_at(0.5 * end)) {
+                break;
+            }
+            end *= 0.5;
+        }
+        end
+    })
+}
+
+/// The approaches of both nodes at one place, whatever the flows: factors without slopes.
+fn given(approaches: [MaybeApproach; 2]) -> Approach<Pair> {
+    let none = Pair::splat(0.0);
+    Approach {
+        factor: Pair::new(approaches.map(|approach| factor(&approach))),
+        by_exner: none,
+        by_flow: none,
     }
 }
 

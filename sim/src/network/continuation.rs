@@ -7,8 +7,9 @@
 //! f = 1 + (n-1)/2 a M^2,   a = 0, 1/8, 2/8 ... 1
 //! ```
 //!
-//! and the solution is followed from step to step. A jump means that the branch has ended and another solution was
-//! found. Then the continuation has failed.
+//! and the solution is followed from step to step. A step that finds nothing, or jumps, is taken in two halves, and these in
+//! halves of their own: near the end of its branch the solution turns away ever faster. A jump in the smallest step means
+//! that the branch has ended and another solution was found. Then the continuation has failed.
 
 use super::Network;
 use super::nodes::{BoundaryConditions, Nodes, pair};
@@ -17,6 +18,9 @@ use crate::number::Number;
 
 /// The number of steps in which the squared speeds are switched on.
 const PARTS: u32 = 8;
+
+/// How often a step is halved at most.
+const MAX_HALVINGS: u32 = 6;
 
 /// A step of the solution changes the flows of a node by at most this part of them,
 const LEAP: f64 = 0.25;
@@ -30,17 +34,33 @@ impl Network {
             return false;
         }
         let (whole, predictor) = (self.mach, self.predictor);
-        self.predictor = Predictor::UNKNOWN;
-        let found = (0..=PARTS).all(|part| {
-            let before = self.nodes;
-            self.mach = whole * f64::from(part) / f64::from(PARTS);
-            self.by_newton(boundary) && (part == 0 || is_near(&before, &self.nodes))
-        });
+        let speeds = |part: u32| whole * f64::from(part) / f64::from(PARTS);
+        let found = self.is_found_at(0.0, boundary)
+            && (0..PARTS).all(|part| self.follow([speeds(part), speeds(part + 1)], boundary, MAX_HALVINGS));
         (self.mach, self.predictor) = (whole, predictor);
         if found {
             self.predictor.note(&self.nodes, boundary);
         }
         found
+    }
+
+    /// Follows the solution from one speed to another, in at most 2^`halvings` steps.
+    fn follow(&mut self, [from, to]: [f64; 2], boundary: &BoundaryConditions, halvings: u32) -> bool {
+        let before = self.nodes;
+        if self.is_found_at(to, boundary) && is_near(&before, &self.nodes) {
+            return true;
+        }
+        self.nodes = before;
+        let middle = 0.5 * (from + to);
+        halvings > 0
+            && self.follow([from, middle], boundary, halvings - 1)
+            && self.follow([middle, to], boundary, halvings - 1)
+    }
+
+    /// Whether Newton's method finds a solution at these speeds, from the last one.
+    fn is_found_at(&mut self, mach: f64, boundary: &BoundaryConditions) -> bool {
+        (self.mach, self.predictor) = (mach, Predictor::UNKNOWN);
+        self.by_newton(boundary)
     }
 }
 

@@ -15,7 +15,7 @@ pub(super) struct SquareFlow<N = f64> {
 }
 
 /// The factor by which an approach raises w and T at a place, with its slopes over w and over the flow from there.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Approach<N = f64> {
     pub factor: N,
     pub by_exner: N,

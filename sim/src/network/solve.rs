@@ -105,8 +105,7 @@ impl Network {
             }
             self.nodes.carried = self.nodes.temperature;
         }
-        self.started = true;
-        self.far = false;
+        (self.started, self.far) = (true, false);
         self.found += 1;
         if self.found >= CALM {
             self.failures = 0;
@@ -125,7 +124,6 @@ impl Network {
         if self.continue_from_rest(boundary) {
             return true;
         }
-        self.work.bracketed += 1;
         let rests = self.by_brackets(boundary);
         // Where Newton's method fails again, the result of the brackets stands.
         let found = self.by_newton(boundary) || (rests && self.nodes.are_finite());

@@ -1,7 +1,7 @@
 //! The network against the reference, against its own brackets, and against the audit's figures.
 
 use super::*;
-use crate::component::valve::thesis_valve;
+use crate::component::valve::{Conductances, thesis_valve};
 
 pub(super) fn network_with(tube: bool, approach: bool) -> (Gas, Network) {
     let gas = Gas::new(1.4, 286.76);
@@ -87,16 +87,49 @@ fn the_blocked_port_pressure_at_null_is_0_81_of_the_supply() {
     assert!((low - 475.6e3).abs() < 100.0, "{low}");
 }
 
-/// Such a search once took seven seconds. Its half-way point was the answer, and the next instant had another one.
+/// The flow turns away from that of air at rest so fast that eight steps lose it. Passes over the speeds went round and round
+/// here, and each instant had another answer.
 #[test]
-fn a_search_whose_speeds_of_approach_go_round_and_round_ends_soon_and_finds_nothing() {
+fn where_tubes_let_next_to_nothing_pass_a_flow_is_found_soon_and_the_same_an_instant_later() {
     let (gas, network) = network_with(true, true);
     let tube = Tube::empirical(&gas, 0.99, 1e-5);
-    let mut network = Network { supply_tube: tube, cylinder_tube: tube, ..network };
+    let network = Network { supply_tube: tube, cylinder_tube: tube, ..network };
     let valve = thesis_valve().conductances(&gas, -0.1e-3);
-    let nodes = network.solve(&valve, &chambers(&gas, 300e3, 300e3), &[PortFlow::Charging; 2]);
-    assert!(nodes.iter().all(|node| !node.is_finite()), "{nodes:?}");
-    assert!(network.work.passes < 40, "{:?}", network.work);
+    let [one, other] = [300e3, 300.1e3].map(|pressure| {
+        let mut network = network.clone();
+        let chambers = chambers(&gas, pressure, pressure);
+        let nodes = network.solve(&valve, &chambers, &[PortFlow::Charging; 2]);
+        assert!(network.work.passes < 10, "{:?}", network.work);
+        nodes.map(|node| node.port_flow())
+    });
+    for (one, other) in one.into_iter().zip(other) {
+        assert!((one / other - 1.0).abs() < 2e-3, "{one} {other}");
+    }
+}
+
+/// Cold air from a short tube, through a clearance wider than the ports: the flow that grows out of air at rest ends just before
+/// the air has its whole speed. Passes by brackets took a minute here.
+#[test]
+fn the_search_beyond_the_end_of_a_flow_hardly_needs_brackets() {
+    let (gas, _) = network_with(false, false);
+    let tube = Tube::analytical(&gas, 0.1062099811473354, 4e-3, 0.005);
+    let station = |pressure, temperature| GasState { exner: gas.exner(pressure), temperature };
+    let (supply, exhaust) = (station(589e3, 223.65986092935734), station(62_380.39805772192, 294.0));
+    let laws = Laws::alike(FlowLaw::Orifice);
+    let port_area = Some(thesis_valve().port_area());
+    let mut network = Network::new(gas, supply, exhaust, tube, tube, laws, port_area);
+    let valve = Conductances {
+        supply: Pair::new([7.796582223484454e-12, 7.116995303809465e-12]),
+        exhaust: Pair::new([1.0476661630564796e-13, 1.1477056024837014e-13]),
+        port: Some(Pair::splat(1.142865083646395e-12)),
+    };
+    let chambers = [
+        GasState { exner: 43.20932313149009, temperature: 300.99882857432794 },
+        GasState { exner: 43.53066028465482, temperature: 301.18498542064145 },
+    ];
+    network.solve(&valve, &chambers, &[PortFlow::Charging; 2]);
+    assert!(network.work.passes > 20, "the end of the flow: {:?}", network.work);
+    assert!(network.work.bracketed <= 1, "{:?}", network.work);
 }
 
 /// A trial step with an absurd state once spoilt every solution after it.

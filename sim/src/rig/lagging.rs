@@ -11,6 +11,10 @@
 //! because both drops go with the square of the flow, or nearly so. Beside a valve that passes far more than its tubes nothing
 //! lags any more: the pressure behind a tube is that of the chamber or of the supply but for a small difference, which
 //! the least error of either turns into a flow. Such a run takes steps of nanoseconds.
+//!
+//! A valve that opens towards an empty chamber has m_v at once. The pressure in front of the chamber's tube then rises as if it
+//! were to settle at r times that of the chamber, the ratio that the tube needs for m_v, and has the pressure of the supply
+//! within T / r. With the empirical tube r is 2^(m_v/m_t).
 
 use crate::component::air::GasState;
 use crate::component::gas::Gas;
@@ -24,33 +28,53 @@ use crate::values::{Findings, Rig};
 /// The least of these times, s: a tenth of a microsecond, in which time is counted here.
 const LEAST_S: f64 = 1e-7;
 
+/// The least of T / r, s: a hundred times the shortest step of the solver.
+const LEAST_RISE_S: f64 = 1e-11;
+
 /// Flows between which that of a tube is searched for, kg/s.
 const FLOWS: [f64; 2] = [1e-12, 1e6];
 
+/// The longest lag that a rig may have, s.
+const MAX_LAG_S: f64 = 1.0;
+
 pub(super) fn check(rig: &Rig, findings: &mut Findings) {
     let lag = rig.get(&keys::tubing::LAG_S);
-    let times = if lag > 0.0 { valve_over_tubes(rig) } else { return };
-    let slower = 1.0 + times * times;
-    if lag / slower < LEAST_S {
+    let Some(Tubes { times, ratio }) = (lag > 0.0).then(|| Tubes::of(rig)).flatten() else { return };
+    let least = (LEAST_S * (1.0 + times * times)).max(LEAST_RISE_S * ratio);
+    if lag < least {
+        // Rounded, it is still enough.
+        let longer = 1.05 * least;
+        let remedy = if longer <= MAX_LAG_S { format!("0 or at least {longer:.1e}") } else { "0".to_owned() };
         let message = format!(
-            "the valve passes {times:.3} times the flow at which the tubes lose half of the pressure, so behind them it settles within {:.1e} s, as if nothing lagged: write 0 or at least {:.1e}, or give wider tubes or a smaller valve",
-            lag / slower,
-            // Rounded, it is still enough.
-            1.05 * LEAST_S * slower
+            "the valve passes {times:.3} times the flow at which the tubes lose half of the pressure, so behind them it settles as if nothing lagged: write {remedy}, or give wider tubes or a smaller valve"
         );
         findings.note(&keys::tubing::LAG_S, message);
     }
 }
 
-/// m_v/m_t; 0 without tubes.
-fn valve_over_tubes(rig: &Rig) -> f64 {
-    let gas = Gas::of(rig);
-    let (from_supply, to_cylinder) = tubes(rig, &gas);
-    let tube = if from_supply.is_none() { to_cylinder } else { from_supply };
-    if tube.is_none() {
-        return 0.0;
+/// Beside the valve's largest flow m_v.
+struct Tubes {
+    /// m_v/m_t.
+    times: f64,
+    /// r.
+    ratio: f64,
+}
+
+impl Tubes {
+    /// None without tubes.
+    fn of(rig: &Rig) -> Option<Tubes> {
+        let gas = Gas::of(rig);
+        let (from_supply, to_cylinder) = tubes(rig, &gas);
+        let tube = if from_supply.is_none() { to_cylinder } else { from_supply };
+        if tube.is_none() {
+            return None;
+        }
+        let (most, empty) = (largest_flow(rig, gas), exhaust::station(rig, &gas));
+        Some(Tubes {
+            times: most / flow_at_half(&gas, &tube, &supply::station(rig, &gas)),
+            ratio: gas.pressure(to_cylinder.far_exner(&empty, -most)) / gas.pressure(empty.exner),
+        })
     }
-    largest_flow(rig, gas) / flow_at_half(&gas, &tube, &supply::station(rig, &gas))
 }
 
 /// m_v, kg/s: into an empty chamber or out of a full one, with the spool at either end.

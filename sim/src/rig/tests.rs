@@ -1,10 +1,12 @@
 //! Rigs: what goes together, what is refused, and what follows from what.
 
 use super::*;
+use crate::follow::{Timing, follow};
 use crate::keys;
-use pneudrive_controller::Parameters;
+use crate::plant::Accuracy;
 use pneudrive_controller::choice::Law;
 use pneudrive_controller::parameters::id;
+use pneudrive_controller::{Command, Parameters};
 
 /// The problems of a file, a line each.
 pub(crate) fn problems(text: &str) -> Vec<String> {
@@ -361,6 +363,29 @@ fn a_lag_that_the_valve_makes_nothing_of_is_refused_with_one_that_does() {
     read(&rig(&enough[..enough.find(',').expect("more words")]));
     read(&rig("0.0"));
     read("[tubing]\nlag_s = 1e-5\n");
+}
+
+/// Behind the empirical tube the ratio of a flow of m times the one that loses half is 2^m. Once such rigs passed, and their
+/// runs ended at the start, as "no number".
+#[test]
+fn a_lag_within_which_a_wide_valve_raises_the_pressure_at_once_is_refused() {
+    let rig = |conductance: f64, lag_s: &str| {
+        format!(
+            "[valve]\nmodel = \"iso-6358\"\ncharacteristic = \"linear\"\nflow_force = \"none\"\ncritical_ratio = 0.2\nsonic_conductance_m3_per_s_pa = {conductance:e}\n[tubing]\nlag_s = {lag_s}\n"
+        )
+    };
+    let message = only_problem(&rig(4.2e-7, "0.02"));
+    assert!(
+        message.contains("tubing.lag_s: the valve passes") && message.contains("write 0, or"),
+        "{message}"
+    );
+    read(&rig(4.2e-7, "0.0"));
+    let message = only_problem(&rig(2.8e-7, "0.001"));
+    let (_, enough) = message.split_once("at least ").expect("a lag that will do");
+    let long_enough = read(&rig(2.8e-7, &enough[..enough.find(',').expect("more words")]));
+    let opened = Command { counts: 2047, step: 0, drive_enable: true };
+    let timing = Timing { period_us: 1000, delay_us: 500 };
+    follow(&long_enough, Accuracy::of(&long_enough), timing, &[opened; 20]).expect("a transient");
 }
 
 /// Once this named the table alone.

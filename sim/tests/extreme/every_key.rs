@@ -78,7 +78,7 @@ impl Drawn {
         let stroke_mm = 1e3 * self.rig.get(&keys::actuator::STROKE_M);
         let counts = stroke_mm / self.rig.get(&keys::encoder::MM_PER_COUNT);
         let [there, back] = [(); 2].map(|()| (counts * draw.between(0.1, 0.9)) as i64);
-        let end = draw.decades(0.02, 1.0);
+        let end = (1e6 * draw.decades(0.02, 1.0)).round() / 1e6;
         let half = 0.5 * end;
         self.add(vec![format!("test.duration_s={end:?}")]);
         let [closed, open] = [[there, back], [2047, -2047]].map(|[one, other]| {
@@ -123,7 +123,13 @@ fn needs(draw: &mut Draw, key: &Key, word: &str) -> Vec<String> {
 /// A number of a key's range, evenly in the logarithm, as part of the way from the present value.
 fn value(draw: &mut Draw, key: &Key, now: Option<f64>, reach: f64) -> Option<String> {
     match key.kind {
-        Kind::Number { min, max } => Some(key.setting(format!("{:?}", within(draw, [min, max], now, reach)))),
+        Kind::Number { min, max } => {
+            let number = within(draw, [min, max], now, reach);
+            let whole = |us: f64| (number * us).round() / us;
+            // Most times must be whole microseconds.
+            let number = if key.unit() == "s" { whole(1e6).clamp(min, max) } else { number };
+            Some(key.setting(format!("{number:?}")))
+        }
         Kind::Integer { min, max } => {
             Some(key.setting(within(draw, [min as f64, max as f64], now, reach).round() as i64))
         }
