@@ -38,6 +38,7 @@ use pneudrive_app::fault_log::Memory;
 use pneudrive_app::lock_step::{Stopwatch, run_control};
 use pneudrive_app::plant_bus::{Next, Outputs};
 use pneudrive_app::{Board, Recorder, Server, SharedDrive, inputs};
+use pneudrive_protocol::MAX_FRAME;
 use semihosting::{eprintln, process};
 
 use board::EmulatedBoard;
@@ -101,15 +102,15 @@ fn serve(control: &mut Control, devices: Devices) -> Result<(), bus::Error> {
         board.latch(&inputs, tempo);
         let ticks = run_control(control, &mut board, &clock);
         let next = EmulatedBoard::next(control.state().supervisor.mode());
-        request = listen(&mut server, control, &mut board, &mut uart, &clock);
+        let frozen = inputs.frozen && next == Next::Stay;
+        request = listen(&mut server, control, &mut board, &mut uart, &mut clock, frozen);
         server.attend(control);
         let Ok(()) = server.speak(&mut uart);
         inputs::attend(&mut (&mut *control, &mut board));
         let _ = control.tidy_up(&mut board);
         outputs = board.outputs(control, next, ticks);
-        let stands = inputs.frozen && outputs.next == Next::Stay;
         // Nobody waits for a drive that holds; one that keeps step with the wall clock is waited for by its plant.
-        if stands || (outputs.next == Next::Hold && !tempo.in_step) {
+        if frozen || (outputs.next == Next::Hold && !tempo.in_step) {
             clock.rest(control.config().timing.period_us.get());
         }
         if control.feeds_watchdog() {
@@ -119,19 +120,31 @@ fn serve(control: &mut Control, devices: Devices) -> Result<(), bus::Error> {
     Ok(())
 }
 
-/// Requests whose bytes are there; the ticks of the longest piece that a board with an interrupt would lock it out for.
+/// Requests whose bytes are there; the ticks of the longest piece that a board with an interrupt would lock it out for. The
+/// emulator hands over bytes one by one: while the plant is frozen, it need not be asked between those of one request.
 fn listen(
     server: &mut Server,
     control: &mut Control,
     board: &mut EmulatedBoard,
     uart: &mut Uart,
-    clock: &Clock,
+    clock: &mut Clock,
+    frozen: bool,
 ) -> u32 {
-    let mut drive = Timed { control, board, clock, longest: 0 };
-    while let Some(byte) = uart.read() {
-        let Ok(()) = server.receive_beside(&[byte], &mut drive, uart);
+    let mut longest = 0;
+    for _ in 0..MAX_FRAME {
+        let mut drive = Timed { control, board, clock, longest };
+        let mut heard = false;
+        while let Some(byte) = uart.read() {
+            heard = true;
+            let Ok(()) = server.receive_beside(&[byte], &mut drive, uart);
+        }
+        longest = drive.longest;
+        if !(frozen && heard) {
+            break;
+        }
+        clock.rest(control.config().timing.period_us.get());
     }
-    drive.longest
+    longest
 }
 
 /// The drive, with the ticks of the longest piece of work that was done while it was locked.
