@@ -12,11 +12,12 @@
 use std::sync::OnceLock;
 
 use anyhow::{Context, Result, bail};
+use pneudrive_link::client::Client;
 use pneudrive_sim::Rig;
 
 use crate::board_plant::BoardPlant;
 use crate::service::commission;
-use crate::{Target, body};
+use crate::{PATIENCE, Target, body};
 
 /// What is at the bench.
 pub struct BoardBench {
@@ -150,7 +151,10 @@ impl Target for BoardTarget {
         &self.bench.port
     }
 
-    fn is_in_step(&self) -> bool {
-        true
+    fn connect(&self) -> Result<Client> {
+        match self.bench.plant {
+            Plant::Simulated(_) => Client::connect_patiently(self.port(), PATIENCE),
+            Plant::Real(_) => Client::connect(self.port()),
+        }
     }
 }

@@ -13,7 +13,6 @@ use crate::{Delayed, Supplied, Target};
 /// The firmware's image on an emulated Cortex-M4, its plant simulated in lock step.
 pub struct QemuTarget {
     board: EmulatedBoard,
-    in_step: bool,
 }
 
 impl QemuTarget {
@@ -23,7 +22,7 @@ impl QemuTarget {
     /// # Errors
     /// When the image cannot be built or run.
     pub fn start(rig: &Rig) -> Result<QemuTarget> {
-        QemuTarget::commission(EmulatedBoard::start(rig, image()?, 0)?, false, rig)
+        QemuTarget::commission(EmulatedBoard::start(rig, image()?, 0)?, rig)
     }
 
     /// The same in real time.
@@ -31,7 +30,7 @@ impl QemuTarget {
     /// # Errors
     /// When the image cannot be built or run.
     pub fn start_in_step(rig: &Rig) -> Result<QemuTarget> {
-        QemuTarget::commission(EmulatedBoard::start_in_step(rig, image()?, 0)?, true, rig)
+        QemuTarget::commission(EmulatedBoard::start_in_step(rig, image()?, 0)?, rig)
     }
 
     /// The same with another image.
@@ -39,11 +38,11 @@ impl QemuTarget {
     /// # Errors
     /// When the image cannot be run.
     pub fn start_image(rig: &Rig, image: &Path) -> Result<QemuTarget> {
-        QemuTarget::commission(EmulatedBoard::start(rig, image, 0)?, false, rig)
+        QemuTarget::commission(EmulatedBoard::start(rig, image, 0)?, rig)
     }
 
-    fn commission(board: EmulatedBoard, in_step: bool, rig: &Rig) -> Result<QemuTarget> {
-        let target = QemuTarget { board, in_step };
+    fn commission(board: EmulatedBoard, rig: &Rig) -> Result<QemuTarget> {
+        let target = QemuTarget { board };
         commission(&target, rig)?;
         Ok(target)
     }
@@ -62,10 +61,6 @@ impl Target for QemuTarget {
 
     fn port(&self) -> &str {
         self.board.port()
-    }
-
-    fn is_in_step(&self) -> bool {
-        self.in_step
     }
 
     fn cost(&self) -> Option<String> {

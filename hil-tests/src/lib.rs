@@ -51,7 +51,7 @@ use pneudrive_sim::Rig;
 pub use emulated::{QemuTarget, board_runner, image, program};
 pub use service::commission;
 
-/// How long an execution level whose time is its own may keep silent: a busy machine lets its threads and processes wait.
+/// How long an execution level on this machine may keep silent: a busy machine lets its threads and processes wait.
 const PATIENCE: Duration = Duration::from_secs(20);
 
 /// An execution level with a port to talk to.
@@ -67,16 +67,7 @@ pub trait Target {
     /// # Errors
     /// When nobody answers.
     fn connect(&self) -> Result<Client> {
-        if self.is_in_step() {
-            Client::connect(self.port())
-        } else {
-            Client::connect_patiently(self.port(), PATIENCE)
-        }
-    }
-
-    /// Whether it keeps up with the wall clock. If not, its time is its own, and a busy machine may let it wait.
-    fn is_in_step(&self) -> bool {
-        false
+        Client::connect_patiently(self.port(), PATIENCE)
     }
 
     /// Sets the digital inputs, as [`pneudrive_protocol::io::input`] has their bits: by a request, or at the pins of a board
@@ -186,9 +177,5 @@ impl Target for VirtualTarget {
 
     fn port(&self) -> &str {
         self.rig.port()
-    }
-
-    fn is_in_step(&self) -> bool {
-        !self.pace.fast
     }
 }

@@ -40,11 +40,11 @@ use advance::Advance;
 use answer::refusal;
 use answer::unexpected;
 
-/// How long an answer may take before the request is sent again.
-/// Several such waits fit into the host silence that trips a running move.
-const ANSWER_WAIT: Duration = Duration::from_millis(100);
+/// How often a request is sent before the rig counts as silent.
+const ATTEMPTS: u32 = 15;
 
-/// How long a rig may go without a useful answer: fifteen requests.
+/// How long a rig may go without a useful answer. A fifteenth of it fits several times into the host silence that trips a
+/// running move.
 pub const SILENCE_TIMEOUT: Duration = Duration::from_millis(1500);
 
 /// The token of this program, from the environment variable `PNEUDRIVE_TOKEN`; None where it is empty or not set.
@@ -101,7 +101,7 @@ impl Client {
     }
 
     /// The same of a rig that may go without a useful answer for longer than [`SILENCE_TIMEOUT`], as one whose time is not the
-    /// wall clock's.
+    /// wall clock's. A request is repeated the more rarely: repeats that wait to be heard would delay the next one.
     ///
     /// # Errors
     /// As for [`Client::connect`].
@@ -203,15 +203,14 @@ impl Client {
         take: impl Fn(&ReplyBody<'_>) -> Result<T>,
     ) -> Result<T> {
         let first = self.sequence.wrapping_add(1);
-        let attempts = self.patience.as_millis().div_ceil(ANSWER_WAIT.as_millis());
-        for attempt in 0..attempts {
+        for attempt in 0..ATTEMPTS {
             self.repeats += u32::from(attempt > 0);
             if attempt == 0 || body.is_idempotent() {
                 self.sequence = self.sequence.wrapping_add(1);
             }
             let sequence = self.sequence;
             self.send(sequence, body)?;
-            let deadline = self.link.now() + ANSWER_WAIT;
+            let deadline = self.link.now() + self.answer_wait();
             let since_first = sequence.wrapping_sub(first);
             let answer = self.hear(deadline, |reply| {
                 let is_answer = reply.sequence.wrapping_sub(first) <= since_first;
@@ -222,6 +221,11 @@ impl Client {
             }
         }
         Err(self.no_answer())
+    }
+
+    /// How long an answer may take before the request is sent again.
+    fn answer_wait(&self) -> Duration {
+        self.patience / ATTEMPTS
     }
 
     fn no_answer(&self) -> anyhow::Error {

@@ -9,8 +9,8 @@ use pneudrive_protocol::{
 };
 use pneudrive_records::record::{Record, RecordHead};
 
+use super::Client;
 use super::answer::{refusal, unexpected};
-use super::{ANSWER_WAIT, Client};
 
 use crate::download::Download;
 use crate::failure::Failure;
@@ -111,7 +111,7 @@ impl Client {
             while let Some(chunk) = pieces.download.ask() {
                 self.ask_for_chunk(head, chunk)?;
             }
-            let deadline = self.link.now() + ANSWER_WAIT;
+            let deadline = self.link.now() + self.answer_wait();
             let (rig, last) = (self.name.clone(), self.sequence);
             match self.hear(deadline, |reply| answer(reply, first..=last, &rig))?.transpose()? {
                 Some((first, samples)) if pieces.take(first, &samples) => {

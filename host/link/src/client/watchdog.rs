@@ -7,7 +7,7 @@ use anyhow::{Context, Result, bail};
 use pneudrive_protocol::{Accumulator, Event, ReplyBody, RequestBody, RequestRefusal, code};
 
 use super::answer::{refusal, unexpected};
-use super::{ANSWER_WAIT, Client, stream};
+use super::{Client, stream};
 use crate::port::{self, Link};
 
 /// Between two attempts to open a port that has gone with its board.
@@ -112,7 +112,7 @@ impl Client {
         self.sequence = self.sequence.wrapping_add(1);
         let sequence = self.sequence;
         self.send(sequence, RequestBody::Boot)?;
-        let deadline = self.link.now() + ANSWER_WAIT;
+        let deadline = self.link.now() + self.answer_wait();
         self.hear(deadline, |reply| match reply.body {
             ReplyBody::Boot { number } if reply.sequence == sequence => Some(number),
             _ => None,
