@@ -1,7 +1,8 @@
 //! The test programs of the workspace: compiled by one call of cargo, then run side by side.
 //!
 //! ```text
-//! longest   first, so that none is left over at the end
+//! emulated  first and by themselves: an emulator and its plant wait for each other, and on a busy machine long
+//! longest   next, so that none is left over at the end
 //! others    beside them, one program a core; with more threads than cores where tests wait for processes and time-outs
 //! alone     last, one after the other: they measure what a line carries in real time
 //! ```
@@ -20,9 +21,12 @@ use serde::Deserialize;
 use crate::tally::{Counts, Tally, failed_test};
 
 /// Programs that take longest.
-const LONGEST: [&str; 3] = ["hil-tests/tests/all", "host/tests/all", "sim/tests/all"];
+const LONGEST: [&str; 2] = ["host/tests/all", "sim/tests/all"];
 
-/// Programs whose tests wait more than they compute. An emulated board does not: it computes while it waits.
+/// The program of the emulated boards.
+const EMULATED: [&str; 1] = ["hil-tests/tests/all"];
+
+/// Programs whose tests wait more than they compute.
 const WAITING: [&str; 2] = ["host/tests/all", "host/studio/tests/all"];
 
 /// Programs that no other may run beside.
@@ -82,10 +86,13 @@ pub fn run(tally: &mut Tally) {
         Err(error) => return tally.fail(1, format!("tests: {error:#}")),
     };
     programs.sort_by_key(|program| !is_of(&LONGEST, program));
-    let (alone, others) = programs.into_iter().partition(|program| is_of(&ALONE, program));
+    let (emulated, others): (Vec<_>, Vec<_>) =
+        programs.into_iter().partition(|program| is_of(&EMULATED, program));
+    let (alone, others) = others.into_iter().partition(|program| is_of(&ALONE, program));
     let cores = thread::available_parallelism().map_or(1, NonZero::get);
-    tally.timed("tests, side by side", |tally| run_on(tally, others, cores));
-    tally.timed("tests, alone", |tally| run_on(tally, alone, 1));
+    tally.timed("tests of emulated boards", |tally| run_on(tally, emulated, 1, cores));
+    tally.timed("tests, side by side", |tally| run_on(tally, others, cores, cores));
+    tally.timed("tests, alone", |tally| run_on(tally, alone, 1, 1));
 }
 
 fn is_of(names: &[&str], program: &Program) -> bool {
@@ -115,8 +122,8 @@ impl Program {
         Ok(Some(Program { name, folder, executable }))
     }
 
-    fn run(&self, cores: usize) -> Result<Ran> {
-        let threads = if is_of(&WAITING, self) { 2 * cores } else { cores };
+    fn run(&self, threads: usize) -> Result<Ran> {
+        let threads = if is_of(&WAITING, self) { 2 * threads } else { threads };
         let mut command = Command::new(&self.executable);
         command.current_dir(&self.folder).env("RUST_TEST_THREADS", threads.to_string());
         let begin = Instant::now();
@@ -125,13 +132,13 @@ impl Program {
     }
 }
 
-/// Runs programs, so many at once, in their order.
-fn run_on(tally: &mut Tally, programs: Vec<Program>, at_once: usize) {
+/// Runs programs, so many at once, in their order, each with so many threads.
+fn run_on(tally: &mut Tally, programs: Vec<Program>, at_once: usize, threads: usize) {
     let (queue, tally) = (Mutex::new(programs.into_iter()), Mutex::new(tally));
     let next = || queue.lock().unwrap_or_else(|poisoned| poisoned.into_inner()).next();
     let work = || {
         while let Some(program) = next() {
-            let ran = program.run(at_once);
+            let ran = program.run(threads);
             follow(*tally.lock().unwrap_or_else(|poisoned| poisoned.into_inner()), &program.name, ran);
         }
     };
