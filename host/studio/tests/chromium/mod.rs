@@ -91,6 +91,11 @@ impl Browser {
 
     /// Calls a method of the protocol.
     pub fn call(&mut self, method: &str, parameters: Value) -> Value {
+        self.try_call(method, parameters).unwrap_or_else(|error| panic!("{method}: {error}"))
+    }
+
+    /// The result of a method of the protocol, or the browser's error.
+    fn try_call(&mut self, method: &str, parameters: Value) -> Result<Value, Value> {
         self.calls += 1;
         let mut message = json!({ "id": self.calls, "method": method, "params": parameters });
         if let Some(session) = &self.session {
@@ -101,8 +106,8 @@ impl Browser {
             let Message::Text(text) = self.socket.read().expect("the browser answers") else { continue };
             let heard: Value = serde_json::from_str(&text).expect("JSON");
             if heard["id"] == json!(self.calls) {
-                assert!(heard["error"].is_null(), "{method}: {}", heard["error"]);
-                return heard["result"].clone();
+                let error = &heard["error"];
+                return if error.is_null() { Ok(heard["result"].clone()) } else { Err(error.clone()) };
             }
             self.note(&heard);
         }
@@ -127,16 +132,25 @@ impl Browser {
 
     /// What a script makes; a promise is waited for.
     pub fn evaluate(&mut self, script: &str) -> Value {
-        let call = json!({ "expression": script, "awaitPromise": true, "returnByValue": true });
-        let made = self.call("Runtime.evaluate", call);
-        assert!(made["exceptionDetails"].is_null(), "{script}: {made}");
-        made["result"]["value"].clone()
+        self.try_evaluate(script).unwrap_or_else(|error| panic!("{script}: {error}"))
     }
 
-    /// Waits until a script makes true, and tells how long that took.
+    fn try_evaluate(&mut self, script: &str) -> Result<Value, Value> {
+        let call = json!({ "expression": script, "awaitPromise": true, "returnByValue": true });
+        let made = self.try_call("Runtime.evaluate", call)?;
+        assert!(made["exceptionDetails"].is_null(), "{script}: {made}");
+        Ok(made["result"]["value"].clone())
+    }
+
+    /// Waits until a script makes true, and tells how long that took. A page that goes while it is asked is asked again.
     pub fn wait_until(&mut self, script: &str) -> Duration {
         let begun = Instant::now();
-        while self.evaluate(&format!("Boolean({script})")) != json!(true) {
+        loop {
+            match self.try_evaluate(&format!("Boolean({script})")) {
+                Ok(made) if made == json!(true) => break,
+                Err(error) if !error.to_string().contains("navigated") => panic!("{script}: {error}"),
+                _ => {}
+            }
             let state = "document.getElementById('state')?.textContent";
             assert!(begun.elapsed() < PATIENCE, "never: {script}; the page says {}", self.evaluate(state));
             sleep(Duration::from_millis(20));
