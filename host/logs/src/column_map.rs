@@ -17,6 +17,10 @@
 //! column = "p1"
 //! unit = "bar(g)"
 //!
+//! [pressure_2]
+//! column = "U2"
+//! points = [[0.5, "0 bar(g)"], [4.5, "10 bar(g)"]]  # of a sensor in volts; in the place of unit, sign and offset
+//!
 //! [command]             # positive toward extension
 //! column = "u"
 //! null = 5.0            # in the column's unit: the valve at null, and fully open toward extension
@@ -28,7 +32,7 @@
 use anyhow::{Result, anyhow, bail};
 use pneudrive_sim::rigfile::read_quantity;
 use pneudrive_tables::{Column as Place, Sign};
-use toml_edit::{DocumentMut, Item, Table};
+use toml_edit::{DocumentMut, Item, Table, Value};
 
 /// The command of a fully open valve, counts.
 const FULL: f64 = 2048.0;
@@ -229,7 +233,7 @@ fn column(channel: &Channel, table: &Table, ambient_pa: f64) -> Result<Column> {
     let known: &[&str] = if is_command {
         &["column", "unit", "decimal", "null", "full"]
     } else {
-        &["column", "unit", "decimal", "sign", "offset"]
+        &["column", "unit", "decimal", "sign", "offset", "points"]
     };
     only(table, known)?;
     let of = source(table)?.ok_or_else(|| anyhow!("needs a column"))?;
@@ -238,8 +242,11 @@ fn column(channel: &Channel, table: &Table, ambient_pa: f64) -> Result<Column> {
 }
 
 fn physical(channel: &Channel, table: &Table, ambient_pa: f64) -> Result<(f64, f64)> {
-    let unit =
-        text(table, "unit")?.ok_or_else(|| anyhow!("needs a unit, such as {:?}", example(channel.unit)))?;
+    if let Some(points) = table.get("points") {
+        return through(points, channel, table, ambient_pa);
+    }
+    let unit = text(table, "unit")?
+        .ok_or_else(|| anyhow!("needs a unit, such as {:?}, or two points", example(channel.unit)))?;
     let (scale, is_gauge) = worth(unit, channel.unit)?;
     let sign = match number(table, "sign")? {
         None => 1.0,
@@ -248,6 +255,39 @@ fn physical(channel: &Channel, table: &Table, ambient_pa: f64) -> Result<(f64, f
     };
     let offset = text(table, "offset")?.map_or(Ok(0.0), |offset| quantity(offset, channel.unit, "offset"))?;
     Ok((sign * scale, offset + if is_gauge { ambient_pa } else { 0.0 }))
+}
+
+/// The straight line through two points: the column's value, and the quantity there.
+fn through(points: &Item, channel: &Channel, table: &Table, ambient_pa: f64) -> Result<(f64, f64)> {
+    if let Some(key) = ["unit", "sign", "offset"].into_iter().find(|key| table.contains_key(key)) {
+        bail!("points say all: leave out {key}");
+    }
+    let point = |point: &Value| -> Result<(f64, f64)> {
+        let pair = point.as_array().filter(|pair| pair.len() == 2);
+        let number =
+            |value: &Value| value.as_float().or_else(|| value.as_integer().map(|whole| whole as f64));
+        let value = pair.and_then(|pair| pair.get(0).and_then(number)).filter(|value| value.is_finite());
+        let text = pair.and_then(|pair| pair.get(1)?.as_str());
+        let (Some(value), Some(text)) = (value, text) else {
+            bail!("a point is the column's value and the quantity there: [0.5, {:?}]", at_zero(channel.unit));
+        };
+        let read = read_quantity(text, channel.unit).map_err(|problem| anyhow!("points: {problem}"))?;
+        Ok((value, read.value + if read.gauge { ambient_pa } else { 0.0 }))
+    };
+    let points: Vec<&Value> = points.as_array().map(|points| points.iter().collect()).unwrap_or_default();
+    let [one, other] = points[..] else {
+        bail!("points must be two: [[0.5, {:?}], [4.5, ...]]", at_zero(channel.unit))
+    };
+    let ((from, low), (to, high)) = (point(one)?, point(other)?);
+    if from == to || low == high {
+        bail!("the two points must differ, both the values and the quantities");
+    }
+    let scale = (high - low) / (to - from);
+    Ok((scale, low - from * scale))
+}
+
+fn at_zero(unit: &str) -> String {
+    format!("0 {}", example(unit))
 }
 
 fn example(unit: &str) -> &str {

@@ -52,6 +52,44 @@ fn values_become_those_of_the_channels_by_unit_sign_offset_and_range() {
 }
 
 #[test]
+fn a_sensor_in_volts_is_a_straight_line_through_two_points_in_any_unit() {
+    let text = MAP
+        .replace(
+            "unit = \"mm\"\nsign = -1\noffset = \"125 mm\"",
+            "points = [[9.5, \"0 mm\"], [0.5, \"0.25 m\"]]",
+        )
+        .replace("unit = \"bar(g)\"", "points = [[1, \"0 bar(g)\"], [5, \"10 bar(g)\"]]");
+    let map = map(&text).expect("a map");
+    for (channel, of, expected) in [
+        (POSITION, 9.5, 0.0),
+        (POSITION, 5.0, 0.125),
+        (PRESSURES[0], 1.0, AMBIENT_PA),
+        (PRESSURES[0], 3.4, 701_325.0),
+    ] {
+        let column = map.channels[channel].as_ref().expect("a column");
+        let found = column.scale * of + column.offset;
+        assert!((found - expected).abs() < 1e-9 * expected.max(1.0), "{found} {expected}");
+    }
+}
+
+#[test]
+fn points_that_give_no_line_are_refused_by_their_table() {
+    for (points, why) in [
+        ("[[0.5, \"0 mm\"]]", "must be two"),
+        ("[[0.5, 0], [4.5, 250]]", "the column's value and the quantity there: [0.5, \"0 mm\"]"),
+        ("[[0.5, \"0 bar\"], [4.5, \"1 bar\"]]", "points: "),
+        ("[[0.5, \"0 mm\"], [0.5, \"1 mm\"]]", "must differ"),
+        ("[[0.5, \"1 mm\"], [4.5, \"1 mm\"]]", "must differ"),
+        ("[[0.5, \"0 mm\"], [4.5, \"1 mm\"]]\nunit = \"mm\"", "leave out unit"),
+    ] {
+        let text =
+            MAP.replace("unit = \"mm\"\nsign = -1\noffset = \"125 mm\"", &format!("points = {points}"));
+        let problem = format!("{:#}", map(&text).expect_err("no line"));
+        assert!(problem.starts_with("[position]: ") && problem.contains(why), "{problem}");
+    }
+}
+
+#[test]
 fn a_column_is_named_or_numbered_with_its_decimal_sign_and_a_gap_has_a_limit() {
     let map = map(&MAP
         .replace("column = \"x\"", "column = 3\ndecimal = \",\"")
