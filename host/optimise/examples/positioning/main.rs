@@ -151,7 +151,7 @@ fn main() -> Result<()> {
         .collect::<Result<_>>()?;
     if asked.figure.is_none() {
         println!(
-            "| drive | law | step, mm | | of {} within 1 / 0.2 / 0.05 mm | 95 % interval, % | median time, s | largest overshoot, mm (draws within 0.1) | limit cycle, not decidable, still moves, failed | converged | bang-bang extending, retracting, ms | sine 0.5 Hz, mm: median (worst), draws within 0.6 | 1 Hz | 2 Hz |",
+            "| drive | law | step, mm | | of {} within 1 / 0.2 / 0.05 mm | 95 % interval, % | median time, s | largest overshoot, mm (draws within 0.1) | limit cycle, not decidable, still moves (by more than 0.1 mm), failed | converged | bang-bang extending, retracting, ms | sine 0.5 Hz, mm: median (worst), draws within 0.6 | 1 Hz | 2 Hz |",
             asked.plan.draws
         );
         println!("|---|---|---|---|---|---|---|---|---|---|---|---|---|---|");

@@ -10,6 +10,9 @@ use crate::tuning::Proportion;
 /// A step overshoots if it goes further beyond its target, mm.
 pub const OVERSHOOT_MM: f64 = 0.1;
 
+/// A piston swings at its target if it moves by more than this within the last second, mm.
+pub const SWING_MM: f64 = 0.1;
+
 /// A sine is followed if the error stays below this, mm.
 pub const FOLLOWED_MM: f64 = 0.6;
 
@@ -30,6 +33,8 @@ pub struct StepScore {
     pub undecided: usize,
     /// How many still move in the last second.
     pub moving: usize,
+    /// How many of them move by more than [`SWING_MM`].
+    pub swinging: usize,
     /// Runs that have converged.
     pub converged: Proportion,
     /// Why runs did not come to their end.
@@ -52,6 +57,7 @@ impl StepScore {
             limit_cycles: share(count(&cycles)),
             undecided: count(&|step| matches!(step.limit_cycle, LimitCycle::Undecided(_))),
             moving: count(&Arrival::moves),
+            swinging: count(&|step| step.range_mm > SWING_MM),
             converged: share(all.iter().filter(|run| matches!(run, Ok((_, true)))).count()),
             failed: all.iter().filter_map(|run| run.err().cloned()).collect(),
         }
@@ -109,8 +115,8 @@ fn median(mut values: Vec<f64>) -> Option<f64> {
 }
 
 /// The cells of a step in a table: shares, their 95 % intervals in percent, median times, largest overshoot and how many have no more
-/// than [`OVERSHOOT_MM`]; then how many end in a limit cycle, cannot be decided, still move, did not come to their end; and how many
-/// have converged.
+/// than [`OVERSHOOT_MM`]; then how many end in a limit cycle, cannot be decided, still move (and by more than [`SWING_MM`]), did not come
+/// to their end; and how many have converged.
 impl fmt::Display for StepScore {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let join = |texts: [String; BANDS_MM.len()]| texts.join(" / ");
@@ -126,8 +132,8 @@ impl fmt::Display for StepScore {
             "{shares} | {intervals} | {times} | {:.3} ({}) | ",
             self.beyond_mm, self.without_overshoot.met
         )?;
-        write!(f, "{}, {}, {}, ", self.limit_cycles.met, self.undecided, self.moving)?;
-        write!(f, "{} | {}", self.failed.len(), self.converged.met)
+        write!(f, "{}, {}, ", self.limit_cycles.met, self.undecided)?;
+        write!(f, "{} ({}), {} | {}", self.moving, self.swinging, self.failed.len(), self.converged.met)
     }
 }
 
