@@ -133,6 +133,11 @@ fn moves_of_the_emulated_board_wait_for_the_arrival() {
 }
 
 #[test]
+fn a_rest_outside_the_tolerance_is_told_by_the_emulated_board() {
+    body::axis::a_rest_outside_the_tolerance_is_told(emulated_board);
+}
+
+#[test]
 fn a_step_of_the_emulated_board_meets_its_requirements() {
     body::axis::a_step_meets_its_requirements(emulated_board);
 }

@@ -193,6 +193,11 @@ fn moves_of_the_virtual_rig_wait_for_the_arrival() {
 }
 
 #[test]
+fn a_rest_outside_the_tolerance_is_told_by_the_virtual_rig() {
+    body::axis::a_rest_outside_the_tolerance_is_told(virtual_rig);
+}
+
+#[test]
 fn a_step_of_the_virtual_rig_meets_its_requirements() {
     body::axis::a_step_meets_its_requirements(virtual_rig);
 }

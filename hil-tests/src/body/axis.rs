@@ -116,6 +116,25 @@ pub fn moves_on_arrival(start: Start) {
     }
 }
 
+/// A load that has come to rest outside the tolerance of its move is told of, and one that rests within it is not.
+///
+/// # Panics
+/// When it is not.
+pub fn a_rest_outside_the_tolerance_is_told(start: Start) {
+    for (tolerance, outside) in [(0, true), (100, false)] {
+        let tolerance_counts = keys::controller::TOLERANCE_COUNTS.setting(tolerance);
+        let rig =
+            rig("press", &["test.moves_mm=[[0.0, 60], [0.1, 60.2]]", "test.duration_s=2", &tolerance_counts]);
+        let target = start(&rig);
+        let mut client = target.connect().expect("a rig that answers");
+        run_on(&mut client, &rig);
+        let (motion, status) = (client.motion().expect("an answer"), client.status().expect("an answer"));
+        let what = format!("{}: {tolerance} counts, {} off", target.name(), status.error);
+        assert_eq!(status.error.abs() > tolerance, outside, "{what}");
+        assert_eq!(motion.arrival, if outside { 4 } else { 2 }, "{what}");
+    }
+}
+
 /// Requirements on a step of the tuned drive B, from its record alone: 98.7 mm with less than a millimetre
 /// of overshoot, at rest within a millimetre.
 ///
