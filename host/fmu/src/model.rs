@@ -98,11 +98,11 @@ pub fn inputs(part: Part, rig: &Rig) -> Vec<Signal> {
 
 /// The outputs of a part, in their order.
 #[must_use]
-pub fn outputs(part: Part, _rig: &Rig) -> Vec<Signal> {
+pub fn outputs(part: Part, rig: &Rig) -> Vec<Signal> {
     match part {
         Part::Plant => plant::OUTPUTS.to_vec(),
-        Part::Controller => controller::OUTPUTS.to_vec(),
-        Part::Drive => [&plant::OUTPUTS[..], &controller::OUTPUTS[..]].concat(),
+        Part::Controller => controller::outputs(rig),
+        Part::Drive => [plant::OUTPUTS.to_vec(), controller::outputs(rig)].concat(),
     }
 }
 

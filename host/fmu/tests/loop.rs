@@ -3,6 +3,7 @@
 use pneudrive_fmu::signal::{Kind, Value};
 use pneudrive_fmu::variable::variables;
 use pneudrive_fmu::{Instance, Part};
+use pneudrive_sim::trace::Extra;
 use pneudrive_sim::{Accuracy, Rig, Run, run};
 
 /// An instance with the names of its variables.
@@ -158,6 +159,25 @@ fn the_drive_repeats_the_simulation_in_integers_and_in_physical_values() {
             assert_eq!(shown(&mut drive), expected(&run, k), "{name} at sample {k}");
         }
     }
+}
+
+#[test]
+fn what_the_law_knows_of_its_drive_is_at_the_outputs_as_in_a_trace() {
+    let rig = rig("press", &["test.duration_s=0.5"]);
+    let run = simulated(&rig);
+    let mut drive = Fmu::new(Part::Drive, &rig, &[("run_test", Value::Switch(true))]);
+    let shown = Extra::of_rig(&rig);
+    assert!(shown.iter().any(|extra| extra.name == "law_mass_kg"), "{shown:?}");
+    for (k, row) in run.rows.iter().enumerate() {
+        drive.step(period(&rig));
+        for extra in &shown {
+            let expected = extra.value(row);
+            assert_eq!(drive.get(extra.name), Value::Float(expected), "{} at sample {k}", extra.name);
+        }
+    }
+    let mut gain_profile = Fmu::new(Part::Drive, &self::rig("servo-b", &[]), &[]);
+    assert!(gain_profile.names.iter().all(|(name, ..)| !name.starts_with("law_")));
+    gain_profile.step(1.3e-3);
 }
 
 #[test]

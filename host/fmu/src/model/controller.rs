@@ -10,6 +10,8 @@ use pneudrive_controller::{
     Command, Config, Fault, Mode, Move, Observation, Refusal, Sample, Sequence, State, output, sample,
 };
 use pneudrive_sim::component::controller::Loop;
+use pneudrive_sim::known::Units;
+use pneudrive_sim::trace::Extra;
 use pneudrive_sim::{Rig, keys};
 
 use super::taken::{integer, switch};
@@ -26,6 +28,10 @@ pub struct Controller {
     followed: Option<i32>,
     run_test: bool,
     command: Command,
+    /// The units of what its law knows; None if it has no model of the drive.
+    units: Option<Units>,
+    /// The outputs of what its law knows.
+    known: Vec<&'static Extra>,
 }
 
 /// Whether the position is fed back: setpoints are positions.
@@ -33,12 +39,12 @@ pub fn is_closed(rig: &Rig) -> bool {
     rig.get(&keys::controller::LOOP) == Loop::Closed
 }
 
-const fn whole(name: &'static str, kind: Kind, meaning: &'static str) -> Signal {
+const fn signal(name: &'static str, kind: Kind, meaning: &'static str) -> Signal {
     Signal { name, kind, meaning, range: None }
 }
 
 /// Trips the drive.
-pub const STOP: Signal = whole(
+pub const STOP: Signal = signal(
     "stop",
     Kind::Boolean,
     "Trips the controller, as a stop request does: the valve goes to its null. It stays tripped until the FMU is reset.",
@@ -49,7 +55,7 @@ pub fn setpoint_counts() -> Signal {
     let ends = [i64::from(i32::MIN), i64::from(i32::MAX)];
     Signal {
         range: Some(ends),
-        ..whole(
+        ..signal(
             "setpoint_counts",
             Kind::Int32,
             "Where the drive shall be, encoder counts; in open loop the valve command. Followed unless run_test is set.",
@@ -61,49 +67,54 @@ pub fn setpoint_counts() -> Signal {
 pub fn inputs(rig: &Rig) -> Vec<Signal> {
     let raw = |name, meaning| Signal {
         range: Some([0, (1 << rig.get(&keys::sensors::BITS)) - 1]),
-        ..whole(name, Kind::Int32, meaning)
+        ..signal(name, Kind::Int32, meaning)
     };
     vec![
         setpoint_counts(),
-        whole("position_counts", Kind::Int32, "What the encoder counts; positive means extension."),
+        signal("position_counts", Kind::Int32, "What the encoder counts; positive means extension."),
         raw("pressure_1_raw", "Pressure in chamber 1 as converted."),
         raw("pressure_2_raw", "Pressure in chamber 2 as converted."),
         raw("spool_raw", "Spool displacement as converted."),
-        whole("home_switch", Kind::Boolean, "Whether the homing switch is closed."),
+        signal("home_switch", Kind::Boolean, "Whether the homing switch is closed."),
         STOP,
     ]
 }
 
-/// Its outputs, in their order.
-pub const OUTPUTS: [Signal; 12] = [
-    whole(
+/// Its outputs, in their order: those of every law, then what a law with a model knows, named as the columns of a trace.
+pub fn outputs(rig: &Rig) -> Vec<Signal> {
+    let known = |extra: &Extra| signal(extra.name, Kind::Float64, extra.help);
+    OUTPUTS.into_iter().chain(Extra::of_rig(rig).into_iter().map(known)).collect()
+}
+
+const OUTPUTS: [Signal; 12] = [
+    signal(
         "command_counts",
         Kind::Int32,
         "Valve command of the last sample; positive means extension, 0 is the null. DAC: counts; stepper: the spool location asked for.",
     ),
-    whole("step", Kind::Int32, "Stepper: the pulse of the last sample, -1, 0 or 1. DAC: 0."),
-    whole("drive_enable", Kind::Boolean, "The drive's enable line, which gates the valve amplifier."),
-    whole(
+    signal("step", Kind::Int32, "Stepper: the pulse of the last sample, -1, 0 or 1. DAC: 0."),
+    signal("drive_enable", Kind::Boolean, "The drive's enable line, which gates the valve amplifier."),
+    signal(
         "setpoint_in_force_counts",
         Kind::Int32,
         "Setpoint at the last sample; in open loop the valve command.",
     ),
-    whole("error_counts", Kind::Int32, "Setpoint less position at the last sample; 0 in open loop."),
-    whole("velocity_estimate", Kind::Int64, "Velocity at the last sample, counts per velocity window."),
-    whole(
+    signal("error_counts", Kind::Int32, "Setpoint less position at the last sample; 0 in open loop."),
+    signal("velocity_estimate", Kind::Int64, "Velocity at the last sample, counts per velocity window."),
+    signal(
         "acceleration_estimate",
         Kind::Int64,
         "Acceleration at the last sample, counts per velocity and acceleration window.",
     ),
-    whole("running", Kind::Boolean, "Whether the last sample belongs to a run."),
-    whole("index", Kind::Int64, "Number of the last sample, from the start of the run."),
-    whole("mode", Kind::Int32, "0 disarmed, 1 armed, 2 running, 3 homing, 4 done, 5 tripped."),
-    whole(
+    signal("running", Kind::Boolean, "Whether the last sample belongs to a run."),
+    signal("index", Kind::Int64, "Number of the last sample, from the start of the run."),
+    signal("mode", Kind::Int32, "0 disarmed, 1 armed, 2 running, 3 homing, 4 done, 5 tripped."),
+    signal(
         "fault",
         Kind::Int32,
         "Code of the fault that it tripped with (`pneudrive device faults`); 0: none.",
     ),
-    whole("learned_null_counts", Kind::Int32, "What it has learned of the valve's null in this run."),
+    signal("learned_null_counts", Kind::Int32, "What it has learned of the valve's null in this run."),
 ];
 
 impl Controller {
@@ -122,7 +133,17 @@ impl Controller {
         if run_test {
             state.start(&config, &sequence).map_err(refused)?;
         }
-        Ok(Controller { config, state, sequence, followed: None, run_test, command: Command::OFF })
+        let (units, known) = (Units::of(rig), Extra::of_rig(rig));
+        Ok(Controller {
+            config,
+            state,
+            sequence,
+            followed: None,
+            run_test,
+            command: Command::OFF,
+            units,
+            known,
+        })
     }
 
     /// Takes a sample, and returns the command for `controller.delay_s` later. Without moves of its own it follows
@@ -179,13 +200,15 @@ impl Controller {
         self.take(&taken, integer(inputs, 0), switch(inputs, 6)).map(drop)
     }
 
-    /// In the order of [`OUTPUTS`].
+    /// In the order of [`outputs`]. What the law knows is not a number before the first sample of a run.
     pub fn outputs(&self) -> Vec<Value> {
         let Command { counts, step, drive_enable } = self.command;
         let Observation { running, index, setpoint, error, velocity, acceleration, .. } =
             *self.state.observation();
         let (mode, fault) = mode_and_fault(self.state.supervisor.mode());
-        vec![
+        let known = self.units.and_then(|units| units.known(&self.state));
+        let of_law = |extra: &&Extra| known.and_then(|known| extra.of_known(&known)).unwrap_or(f64::NAN);
+        let mut all = vec![
             Value::Integer(counts.into()),
             Value::Integer(step.into()),
             Value::Switch(drive_enable),
@@ -198,7 +221,9 @@ impl Controller {
             Value::Integer(mode),
             Value::Integer(fault),
             Value::Integer(self.state.learned_null_offset().into()),
-        ]
+        ];
+        all.extend(self.known.iter().map(of_law).map(Value::Float));
+        all
     }
 }
 
