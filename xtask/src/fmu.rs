@@ -40,7 +40,7 @@ pub fn is_watched() -> bool {
 pub fn watch() -> Result<()> {
     VALGRIND.ensure()?;
     let watched = "valgrind --quiet --error-exitcode=9 --leak-check=full --show-leak-kinds=definite --errors-for-leak-kinds=definite";
-    let mut tests = in_root(&["test", "--workspace", "--test", "c_api"]);
+    let mut tests = in_root(&["test", "--workspace", "--test", "c_api", "--test", "fmi2"]);
     run(tests.env("CARGO_TARGET_X86_64_UNKNOWN_LINUX_GNU_RUNNER", watched))
 }
 

@@ -1,8 +1,8 @@
-//! The FMU as a file: a ZIP archive (FMI 3.0, 2.5.1).
+//! The FMU as a file: a ZIP archive (FMI 3.0, 2.5.1; FMI 2.0, 2.3).
 //!
 //! ```text
 //! modelDescription.xml
-//! binaries/x86_64-linux/pneudrive_plant.so     the library: this crate
+//! binaries/x86_64-linux/pneudrive_plant.so     the library: this crate; linux64 in FMI 2.0
 //! resources/rig.toml                           the rig file, with what was set in it
 //! ```
 
@@ -17,16 +17,7 @@ use zip::{CompressionMethod, DateTime, ZipWriter};
 use crate::description::model_description;
 use crate::instance::RIG_FILE;
 use crate::part::Part;
-
-/// The standard's name of the system that this program is built for: architecture and operating system.
-#[must_use]
-pub fn platform() -> String {
-    let system = match std::env::consts::OS {
-        "macos" => "darwin",
-        other => other,
-    };
-    format!("{}-{system}", std::env::consts::ARCH)
-}
+use crate::standard::Standard;
 
 /// The name of the library beside the program.
 #[must_use]
@@ -53,11 +44,12 @@ pub fn rig_file(source: &str, text: &str, settings: &[String]) -> Result<(Rig, S
 /// The bytes of an FMU: a part of a rig whose file is `rig_text`, with the library of this crate. The same in, the same out.
 ///
 /// # Errors
-/// When there is no such part of the rig.
-pub fn fmu(part: Part, rig: &Rig, rig_text: &str, library: &[u8]) -> Result<Vec<u8>> {
+/// When there is no such part of the rig, or the standard has no name for this system.
+pub fn fmu(standard: Standard, part: Part, rig: &Rig, rig_text: &str, library: &[u8]) -> Result<Vec<u8>> {
     part.check(rig)?;
-    let description = model_description(part, rig, rig_text);
-    let binary = format!("binaries/{}/{}{}", platform(), part.identifier(), std::env::consts::DLL_SUFFIX);
+    let description = model_description(standard, part, rig, rig_text);
+    let binary =
+        format!("binaries/{}/{}{}", standard.platform()?, part.identifier(), std::env::consts::DLL_SUFFIX);
     let resource = format!("resources/{RIG_FILE}");
     let files = [
         ("modelDescription.xml", description.as_bytes()),

@@ -1,4 +1,5 @@
-//! The functions of the standard (FMI 3.0, fmi3FunctionTypes.h), by which other programs use an FMU.
+//! The functions of the standard (FMI 3.0, fmi3FunctionTypes.h), by which other programs use an FMU; [`fmi2`] has those of
+//! FMI 2.0.
 //!
 //! No pointer that comes back from an importer is followed: an instance and a kept state are numbers in the form of a
 //! pointer, and an unknown number is refused. Unsafe are only the access to the importer's arrays and texts, and the
@@ -6,6 +7,7 @@
 
 #![allow(unsafe_code, reason = "arrays, texts and a function of another program")]
 
+pub mod fmi2;
 mod held;
 mod memory;
 mod unsupported;
@@ -21,7 +23,7 @@ use crate::instance::Instance;
 use held::{Log, add, caught, remove, with};
 use memory::{put, text};
 
-pub use held::{Environment, Handle, LogMessage, Status};
+pub use held::{Environment, Handle, LogMessage, LogMessage2, Status};
 pub use unsupported::*;
 pub use variables::*;
 
@@ -61,7 +63,7 @@ pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
     log_message: LogMessage,
     _intermediate_update: *const c_void,
 ) -> Handle {
-    let log = Log::new(log_message, environment);
+    let log = Log::of_fmi3(log_message, environment);
     let make = || -> Result<Instance> {
         if event_mode_used {
             bail!("the FMU has no event mode (hasEventMode is false)");

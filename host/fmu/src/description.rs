@@ -1,4 +1,4 @@
-//! modelDescription.xml (FMI 3.0, 2.4 and 4.4).
+//! modelDescription.xml (FMI 3.0, 2.4 and 4.4; FMI 2.0, 2.2 and 4.3).
 
 use std::fmt::Write;
 
@@ -6,6 +6,7 @@ use pneudrive_sim::Rig;
 
 use crate::part::Part;
 use crate::signal::Kind;
+use crate::standard::Standard;
 use crate::variable::{Role, Variable, variables};
 
 /// A unit of the rig files in SI: its name there, how many of the base unit it is, and the exponents of its base units
@@ -65,9 +66,9 @@ fn unit_of(variable: &Variable) -> Option<&'static Unit> {
 
 /// modelDescription.xml of a part of a rig whose file is `rig_text`.
 #[must_use]
-pub fn model_description(part: Part, rig: &Rig, rig_text: &str) -> String {
+pub fn model_description(standard: Standard, part: Part, rig: &Rig, rig_text: &str) -> String {
     let variables = variables(part, rig);
-    let mut xml = head(part, rig, rig_text);
+    let mut xml = head(standard, part, rig, rig_text);
     xml += "  <UnitDefinitions>\n";
     let used = |unit: &&Unit| variables.iter().filter_map(unit_of).any(|other| other.name == unit.name);
     for Unit { name, factor, exponents } in UNITS.iter().filter(used) {
@@ -88,9 +89,9 @@ pub fn model_description(part: Part, rig: &Rig, rig_text: &str) -> String {
         ),
     );
     xml += "  <ModelVariables>\n";
-    variables.iter().for_each(|variable| line(&mut xml, 4, format_args!("{}", element(variable))));
+    variables.iter().for_each(|variable| line(&mut xml, 4, format_args!("{}", element(standard, variable))));
     xml += "  </ModelVariables>\n";
-    structure(&mut xml, &variables);
+    structure(standard, &mut xml, &variables);
     xml + "</fmiModelDescription>\n"
 }
 
@@ -98,7 +99,7 @@ fn line(xml: &mut String, indent: usize, text: std::fmt::Arguments<'_>) {
     let _ = writeln!(xml, "{:indent$}{text}", "");
 }
 
-fn head(part: Part, rig: &Rig, rig_text: &str) -> String {
+fn head(standard: Standard, part: Part, rig: &Rig, rig_text: &str) -> String {
     let what = match part {
         Part::Plant => "valve, tubes, cylinder, load and sensors: a command in, a sample out",
         Part::Controller => "the controller, bit for bit that of the firmware: a sample in, a command out",
@@ -107,26 +108,36 @@ fn head(part: Part, rig: &Rig, rig_text: &str) -> String {
     let (name, token) = (escaped(rig.name()), part.token(rig_text));
     let (identifier, word) = (part.identifier(), part.word());
     let period_s = f64::from(rig.period_us().get()) / 1e6;
+    let fmi_version = standard.version();
+    let (token_word, able) = match standard {
+        Standard::Fmi2 => (
+            "guid",
+            "canHandleVariableCommunicationStepSize=\"true\"\n    canGetAndSetFMUstate=\"true\"".to_owned(),
+        ),
+        Standard::Fmi3 => (
+            "instantiationToken",
+            format!("fixedInternalStepSize=\"{period_s:?}\"\n    canGetAndSetFMUState=\"true\""),
+        ),
+    };
     format!(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>
 <fmiModelDescription
-  fmiVersion=\"3.0\"
+  fmiVersion=\"{fmi_version}\"
   modelName=\"{name}, {word}\"
-  instantiationToken=\"{token}\"
+  {token_word}=\"{token}\"
   description=\"Servo-pneumatic drive {name}, {what}. A step is a whole number of samples of {period_s:?} s.\"
   generationTool=\"pneudrive {version}\"
   variableNamingConvention=\"structured\">
   <CoSimulation
     modelIdentifier=\"{identifier}\"
-    fixedInternalStepSize=\"{period_s:?}\"
-    canGetAndSetFMUState=\"true\"/>
+    {able}/>
 ",
         version = env!("CARGO_PKG_VERSION")
     )
 }
 
 /// The element of a variable.
-fn element(variable: &Variable) -> String {
+fn element(standard: Standard, variable: &Variable) -> String {
     let &Variable { name, reference, kind, start, range, meaning, .. } = variable;
     let continuous = kind == Kind::Float64;
     let (causality, variability) = match variable.role {
@@ -136,13 +147,11 @@ fn element(variable: &Variable) -> String {
         Role::Output(_) => ("output", if continuous { "continuous" } else { "discrete" }),
         _ => ("parameter", if variable.is_tunable() { "tunable" } else { "fixed" }),
     };
+    let initial = if matches!(variable.role, Role::Output(_)) { " initial=\"calculated\"" } else { "" };
     let mut attributes = String::new();
     let mut add = |name: &str, value: &dyn std::fmt::Display| {
         let _ = write!(attributes, " {name}=\"{value}\"");
     };
-    if matches!(variable.role, Role::Output(_)) {
-        add("initial", &"calculated");
-    }
     if let Some(unit) = unit_of(variable) {
         add("unit", &unit.name);
     }
@@ -153,21 +162,45 @@ fn element(variable: &Variable) -> String {
     if let Some(start) = start {
         add("start", &start);
     }
-    format!(
-        "<{} name=\"{name}\" valueReference=\"{reference}\" causality=\"{causality}\" variability=\"{variability}\" description=\"{}\"{attributes}/>",
-        kind.word(),
+    let common = format!(
+        "name=\"{name}\" valueReference=\"{reference}\" causality=\"{causality}\" variability=\"{variability}\" description=\"{}\"{initial}",
         escaped(meaning)
-    )
+    );
+    match standard {
+        Standard::Fmi2 => {
+            format!("<ScalarVariable {common}><{}{attributes}/></ScalarVariable>", word_of_2(kind))
+        }
+        Standard::Fmi3 => format!("<{} {common}{attributes}/>", kind.word()),
+    }
+}
+
+/// The type of a variable under FMI 2.0. Its Integer has 32 bits.
+fn word_of_2(kind: Kind) -> &'static str {
+    match kind {
+        Kind::Float64 | Kind::Int64 => "Real",
+        Kind::Int32 => "Integer",
+        Kind::Boolean => "Boolean",
+    }
 }
 
 /// An output is the result of the last step: no input reaches it without a step.
-fn structure(xml: &mut String, variables: &[Variable]) {
+fn structure(standard: Standard, xml: &mut String, variables: &[Variable]) {
     xml.push_str("  <ModelStructure>\n");
     for element in ["Output", "InitialUnknown"] {
-        for variable in variables.iter().filter(|variable| matches!(variable.role, Role::Output(_))) {
-            let independent = if element == "Output" { " dependencies=\"\"" } else { "" };
-            let reference = variable.reference;
-            line(xml, 4, format_args!("<{element} valueReference=\"{reference}\"{independent}/>"));
+        let independent = if element == "Output" { " dependencies=\"\"" } else { "" };
+        let outputs = variables.iter().zip(1..).filter(|(one, _)| matches!(one.role, Role::Output(_)));
+        match standard {
+            // Variables by their places, from 1.
+            Standard::Fmi2 => {
+                line(xml, 4, format_args!("<{element}s>"));
+                outputs.for_each(|(_, place)| {
+                    line(xml, 6, format_args!("<Unknown index=\"{place}\"{independent}/>"));
+                });
+                line(xml, 4, format_args!("</{element}s>"));
+            }
+            Standard::Fmi3 => outputs.for_each(|(Variable { reference, .. }, _)| {
+                line(xml, 4, format_args!("<{element} valueReference=\"{reference}\"{independent}/>"));
+            }),
         }
     }
     xml.push_str("  </ModelStructure>\n");

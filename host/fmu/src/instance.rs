@@ -105,11 +105,11 @@ impl Instance {
         Ok(Instance { now: Now::of(&fixed), fixed: Arc::new(fixed), kept: BTreeMap::new() })
     }
 
-    /// The initialisation begins; the first sample is at `start_time`, s.
+    /// The first sample is at `start_time`, s; at 0 unless it is said.
     ///
     /// # Errors
-    /// In another state than right after the instantiation.
-    pub fn enter_initialisation(&mut self, start_time: f64) -> Result<()> {
+    /// In another state than right after the instantiation, and so far from 0 that samples cannot be told apart.
+    pub fn start_at(&mut self, start_time: f64) -> Result<()> {
         self.require(&[Phase::Instantiated], "initialised")?;
         if !start_time.is_finite() {
             bail!("the start time must be a finite number of seconds, is {start_time}");
@@ -120,7 +120,17 @@ impl Instance {
                 self.fixed.period_s
             );
         }
-        (self.now.phase, self.now.start_time) = (Phase::Initialising, start_time);
+        self.now.start_time = start_time;
+        Ok(())
+    }
+
+    /// The initialisation begins; the first sample is at `start_time`, s.
+    ///
+    /// # Errors
+    /// As [`Instance::start_at`].
+    pub fn enter_initialisation(&mut self, start_time: f64) -> Result<()> {
+        self.start_at(start_time)?;
+        self.now.phase = Phase::Initialising;
         Ok(())
     }
 
@@ -183,6 +193,12 @@ impl Instance {
             );
         }
         self.now.run(samples as u64)
+    }
+
+    /// The type of a variable; None for an unknown reference.
+    #[must_use]
+    pub fn kind(&self, reference: u32) -> Option<Kind> {
+        self.fixed.place(reference).map(|variable| variable.kind)
     }
 
     /// The value of a variable.
@@ -282,11 +298,15 @@ fn lost_at(time: f64) -> f64 {
 const NOT_KEPT: &str = "this state is not one that this instance keeps";
 
 impl Fixed {
+    fn place(&self, reference: u32) -> Option<&Variable> {
+        let place = self.variables.binary_search_by_key(&reference, |variable| variable.reference).ok()?;
+        self.variables.get(place)
+    }
+
     fn variable(&self, reference: u32, kind: Kind) -> Result<&Variable> {
-        let place = self.variables.binary_search_by_key(&reference, |variable| variable.reference).ok();
-        let variable = place.map(|place| &self.variables[place]);
-        let variable =
-            variable.with_context(|| format!("there is no variable with the value reference {reference}"))?;
+        let variable = self
+            .place(reference)
+            .with_context(|| format!("there is no variable with the value reference {reference}"))?;
         if variable.kind != kind {
             bail!("{} is a {}, not a {}", variable.name, variable.kind.word(), kind.word());
         }

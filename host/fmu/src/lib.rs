@@ -1,5 +1,5 @@
-//! Servo-pneumatic drives as FMUs: models that other simulators load, under FMI 3.0 co-simulation (Functional Mock-up
-//! Interface Specification 3.0, chapters 2 and 4).
+//! Servo-pneumatic drives as FMUs: models that other simulators load, under co-simulation of FMI 3.0 (Functional Mock-up
+//! Interface Specification 3.0, chapters 2 and 4) or 2.0 (chapters 2 and 4, too).
 //!
 //! An FMU holds one shared library, which is this crate, and the rig file that makes it one drive. There are three parts:
 //!
@@ -16,6 +16,7 @@
 //! | module | holds |
 //! |---|---|
 //! | [`part`] | which part an FMU is, and the token by which library and rig know each other |
+//! | [`standard`] | FMI 2.0 or 3.0 |
 //! | [`signal`] | types and values of the inputs and outputs of a model |
 //! | [`model`] | plant, controller and drive, a sample at a time |
 //! | [`variable`] | the variables of an FMU: names, numbers, units, whether they may be set |
@@ -33,7 +34,9 @@ pub mod instance;
 pub mod model;
 pub mod part;
 pub mod signal;
+pub mod standard;
 pub mod variable;
 
 pub use instance::Instance;
 pub use part::Part;
+pub use standard::Standard;

@@ -10,7 +10,7 @@ use std::ptr::{null, null_mut};
 use pneudrive_fmu::c_api::*;
 use pneudrive_fmu::description::model_description;
 use pneudrive_fmu::variable::variables;
-use pneudrive_fmu::{Part, instance};
+use pneudrive_fmu::{Part, Standard, instance};
 use pneudrive_sim::Rig;
 
 const RIG: &str = "name = \"bench\"\n[load]\nmass_kg = 2.0\n[test]\nmoves = [[0.0, 9000]]\n";
@@ -286,7 +286,7 @@ fn the_description_has_each_variable_once_and_escapes_what_a_name_holds() {
     let text = RIG.replace("\"bench\"", "'a \"b\" <c> & d'");
     let rig = Rig::read("bench", &text).expect("valid");
     for part in Part::ALL {
-        let xml = model_description(part, &rig, &text);
+        let xml = model_description(Standard::Fmi3, part, &rig, &text);
         assert!(xml.contains("modelName=\"a &quot;b&quot; &lt;c&gt; &amp; d, "), "{xml}");
         let all = variables(part, &rig);
         assert!(all.is_sorted_by(|one, other| one.reference < other.reference), "found by bisection");
@@ -307,7 +307,7 @@ fn every_physical_value_has_its_unit_in_si() {
     for (name, text) in pneudrive_sim::rigfile::BUILTIN {
         let rig = Rig::read(name, text).expect("valid");
         for part in Part::ALL.into_iter().filter(|part| part.check(&rig).is_ok()) {
-            let xml = model_description(part, &rig, text);
+            let xml = model_description(Standard::Fmi3, part, &rig, text);
             for variable in variables(part, &rig) {
                 let own = format!(" name=\"{}\" ", variable.name);
                 let line = xml.lines().find(|line| line.contains(&own)).expect("a line");

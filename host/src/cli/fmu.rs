@@ -29,6 +29,9 @@ pub struct Fmu {
     /// Both, joined: a setpoint in
     #[arg(long, group = "part")]
     pub drive: bool,
+    /// The version of the standard
+    #[arg(long, value_name = "VERSION", default_value = "3.0", value_parser = ["2.0", "3.0"])]
+    pub fmi: String,
     /// The file to write [default: RIG-PART.fmu in the current folder]
     #[arg(short, long, value_name = "FILE")]
     pub out: Option<PathBuf>,

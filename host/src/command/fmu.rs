@@ -4,9 +4,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
-use pneudrive_fmu::Part;
-use pneudrive_fmu::archive::{fmu, library_name, platform, rig_file};
+use pneudrive_fmu::archive::{fmu, library_name, rig_file};
 use pneudrive_fmu::variable::{Role, Variable, variables};
+use pneudrive_fmu::{Part, Standard};
 use pneudrive_records::whole_file::{is_device, put};
 use serde_json::json;
 
@@ -24,6 +24,11 @@ pub(super) fn execute(arguments: &Fmu) -> Result<()> {
         (_, true) => Part::Controller,
         _ => Part::Drive,
     };
+    let standard = Standard::ALL
+        .into_iter()
+        .find(|one| one.version() == arguments.fmi)
+        .context("--fmi is 2.0 or 3.0")?;
+    let platform = standard.platform()?;
     let (source, text) = rig_text(&arguments.rig.rig)?;
     let (rig, text) = rig_file(&source, &text, &arguments.rig.settings)?;
     let path = arguments.out.clone().unwrap_or_else(|| beside(&arguments.rig.rig, part));
@@ -34,22 +39,22 @@ pub(super) fn execute(arguments: &Fmu) -> Result<()> {
         );
     }
     let library = library(arguments.library.as_deref())?;
-    put(&path, &fmu(part, &rig, &text, &library)?)?;
+    put(&path, &fmu(standard, part, &rig, &text, &library)?)?;
     let all = variables(part, &rig);
     let count = |is: fn(&Variable) -> bool| all.iter().filter(|variable| is(variable)).count();
     let inputs = count(|variable| matches!(variable.role, Role::Input(_)));
     let outputs = count(|variable| matches!(variable.role, Role::Output(_)));
     let parameters = count(Variable::is_parameter);
-    let (period_s, platform) = (f64::from(rig.period_us().get()) / 1e6, platform());
-    let (part, name) = (part.word(), rig.name());
+    let period_s = f64::from(rig.period_us().get()) / 1e6;
+    let (part, name, fmi) = (part.word(), rig.name(), standard.version());
     json::figures(|| {
         json!({
-            "file": path, "part": part, "rig": name, "platform": platform,
+            "file": path, "part": part, "rig": name, "platform": platform, "fmi": fmi,
             "inputs": inputs, "outputs": outputs, "parameters": parameters, "period_s": period_s,
         })
     });
     say!(
-        "{}: {part} of {name}, for {platform}; inputs: {inputs}, outputs: {outputs}, parameters: {parameters}; a step is {period_s} s",
+        "{}: {part} of {name}, FMI {fmi} for {platform}; inputs: {inputs}, outputs: {outputs}, parameters: {parameters}; a step is {period_s} s",
         path.display()
     );
     Ok(())

@@ -31,31 +31,65 @@ pub type Environment = *mut c_void;
 /// The importer's log function: environment, status, category, message.
 pub type LogMessage = Option<unsafe extern "C" fn(Environment, Status, *const c_char, *const c_char)>;
 
+/// The same of FMI 2.0: environment, instance, status, category, and a message in the manner of printf.
+pub type LogMessage2 =
+    Option<unsafe extern "C" fn(Environment, *const c_char, Status, *const c_char, *const c_char, ...)>;
+
 /// The category of all messages, as in modelDescription.xml.
 const CATEGORY: &CStr = c"logStatusError";
 
-/// Where messages go.
-#[derive(Clone, Copy, Debug)]
-pub struct Log {
-    function: LogMessage,
-    /// The environment's address.
-    environment: usize,
+/// Where messages go: to a function of the importer, with the address of its environment.
+#[derive(Clone, Debug)]
+pub enum Log {
+    /// The importer has no such function.
+    Nobody,
+    /// Of FMI 3.0.
+    Fmi3(unsafe extern "C" fn(Environment, Status, *const c_char, *const c_char), usize),
+    /// Of FMI 2.0, with the name of the instance.
+    Fmi2(
+        unsafe extern "C" fn(Environment, *const c_char, Status, *const c_char, *const c_char, ...),
+        usize,
+        CString,
+    ),
+}
+
+/// A text in C.
+fn in_c(text: &str) -> CString {
+    CString::new(text.replace('\0', " ")).unwrap_or_default()
 }
 
 impl Log {
-    /// To a function of the importer, if there is one.
-    pub fn new(function: LogMessage, environment: Environment) -> Log {
-        Log { function, environment: environment.expose_provenance() }
+    /// To a function of an importer of FMI 3.0, if there is one.
+    pub fn of_fmi3(function: LogMessage, environment: Environment) -> Log {
+        function.map_or(Log::Nobody, |function| Log::Fmi3(function, environment.expose_provenance()))
+    }
+
+    /// To a function of an importer of FMI 2.0, if there is one.
+    pub fn of_fmi2(function: LogMessage2, environment: Environment, instance: &str) -> Log {
+        let environment = environment.expose_provenance();
+        function.map_or(Log::Nobody, |function| Log::Fmi2(function, environment, in_c(instance)))
     }
 
     /// Says why a call failed.
-    pub fn error(self, message: &str) {
-        let Some(function) = self.function else { return };
-        let message = CString::new(message.replace('\0', " ")).unwrap_or_default();
-        let environment = ptr::with_exposed_provenance_mut(self.environment);
-        // SAFETY: the importer gave the function for this with the environment that it gets here; both texts end
-        // with a zero and outlive the call.
-        unsafe { function(environment, Status::Error, CATEGORY.as_ptr(), message.as_ptr()) };
+    pub fn error(&self, message: &str) {
+        match self {
+            Log::Nobody => {}
+            Log::Fmi3(function, environment) => {
+                let message = in_c(message);
+                let environment = ptr::with_exposed_provenance_mut(*environment);
+                // SAFETY: the importer gave the function for this with the environment that it gets here; all texts
+                // end with a zero and outlive the call.
+                unsafe { function(environment, Status::Error, CATEGORY.as_ptr(), message.as_ptr()) };
+            }
+            Log::Fmi2(function, environment, name) => {
+                // A format without arguments.
+                let message = in_c(&message.replace('%', "%%"));
+                let environment = ptr::with_exposed_provenance_mut(*environment);
+                let (name, category) = (name.as_ptr(), CATEGORY.as_ptr());
+                // SAFETY: as above.
+                unsafe { function(environment, name, Status::Error, category, message.as_ptr()) };
+            }
+        }
     }
 }
 
@@ -145,7 +179,7 @@ mod tests {
             let mut instance = Instance::new(Part::Plant, rig).expect("a plant");
             instance.enter_initialisation(0.0).expect("instantiated");
             instance.exit_initialisation().expect("initialised");
-            add(instance, Log::new(Some(log), ptr::null_mut()))
+            add(instance, Log::of_fmi3(Some(log), ptr::null_mut()))
         });
         assert_eq!(with(handles[0], |_| panic!("no such {}", "spool")), Status::Error);
         assert_eq!(lock(&SAID).pop().as_deref(), Some("an internal error: no such spool"));

@@ -43,6 +43,16 @@ refused! {
         fmi3SetBinary(Any, usize, Any, Any, usize)
         fmi3GetClock(Any, usize, Any)
         fmi3SetClock(Any, usize, Any);
+    "no variable is a text":
+        fmi2GetString(Any, usize, Any)
+        fmi2SetString(Any, usize, Any);
+    "no step is still under way when fmi2DoStep returns":
+        fmi2CancelStep()
+        fmi2GetStatus(i32, Any)
+        fmi2GetRealStatus(i32, Any)
+        fmi2GetIntegerStatus(i32, Any)
+        fmi2GetBooleanStatus(i32, Any)
+        fmi2GetStringStatus(i32, Any);
     "there are no clocks":
         fmi3GetIntervalDecimal(Any, usize, Any, Any)
         fmi3GetIntervalFraction(Any, usize, Any, Any, Any)
@@ -64,11 +74,17 @@ refused! {
     "canSerializeFMUState is false":
         fmi3SerializedFMUStateSize(Handle, Any)
         fmi3SerializeFMUState(Handle, Any, usize)
-        fmi3DeserializeFMUState(Any, usize, Any);
+        fmi3DeserializeFMUState(Any, usize, Any)
+        fmi2SerializedFMUstateSize(Handle, Any)
+        fmi2SerializeFMUstate(Handle, Any, usize)
+        fmi2DeSerializeFMUstate(Any, usize, Any);
     "no derivatives are provided":
         fmi3GetDirectionalDerivative(Any, usize, Any, usize, Any, usize, Any, usize)
         fmi3GetAdjointDerivative(Any, usize, Any, usize, Any, usize, Any, usize)
-        fmi3GetOutputDerivatives(Any, usize, Any, Any, usize);
+        fmi3GetOutputDerivatives(Any, usize, Any, Any, usize)
+        fmi2GetDirectionalDerivative(Any, usize, Any, usize, Any, Any)
+        fmi2SetRealInputDerivatives(Any, usize, Any, Any)
+        fmi2GetRealOutputDerivatives(Any, usize, Any, Any);
     "dependencies are in modelDescription.xml":
         fmi3GetNumberOfVariableDependencies(u32, Any)
         fmi3GetVariableDependencies(u32, Any, Any, Any, Any, usize);

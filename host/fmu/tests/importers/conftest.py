@@ -28,10 +28,10 @@ def work(tmp_path_factory) -> Path:
 def fmu(work):
     """Writes a part of a rig, once."""
 
-    def write(rig: str, part: str) -> Path:
-        path = work / f"{rig}-{part}.fmu"
+    def write(rig: str, part: str, fmi: str = "3.0") -> Path:
+        path = work / f"{rig}-{part}-{fmi}.fmu"
         if not path.exists():
-            pneudrive("fmu", rig, f"--{part}", "--out", path, folder=work)
+            pneudrive("fmu", rig, f"--{part}", "--fmi", fmi, "--out", path, folder=work)
         return path
 
     return write

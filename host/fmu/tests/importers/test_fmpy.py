@@ -8,23 +8,44 @@ from fmpy.fmi1 import FMICallException
 from fmpy.validation import validate_fmu
 
 PARTS = ["plant", "controller", "drive"]
+VERSIONS = ["2.0", "3.0"]
 SENSORS = ["position_counts", "pressure_1_raw", "pressure_2_raw", "spool_raw", "home_switch"]
 RIGS = ["servo-b-tuned", "servo-a-tuned", "bang-bang"]
 
 
+@pytest.mark.parametrize("version", VERSIONS)
 @pytest.mark.parametrize("part", PARTS)
 @pytest.mark.parametrize("rig", RIGS)
-def test_each_part_is_valid(fmu, rig, part):
-    assert validate_fmu(str(fmu(rig, part))) == []
+def test_each_part_is_valid(fmu, rig, part, version):
+    assert validate_fmu(str(fmu(rig, part, version))) == []
 
 
+@pytest.mark.parametrize("version", VERSIONS)
 @pytest.mark.parametrize("part", PARTS)
-def test_each_part_is_simulated_as_it_is(fmu, part):
-    result = fmpy.simulate_fmu(str(fmu("servo-b-tuned", part)))
+def test_each_part_is_simulated_as_it_is(fmu, part, version):
+    result = fmpy.simulate_fmu(str(fmu("servo-b-tuned", part, version)))
     # FMPy chooses a step itself, a multiple of the one in the description.
     samples = np.diff(result["time"]) / PERIOD_S
     assert len(samples) > 500 and result["time"][-1] > 3.0
     assert np.abs(samples - np.round(samples)).max() < 1e-6
+
+
+def test_both_versions_of_the_standard_give_the_same_run(fmu):
+    older, newer = (
+        fmpy.simulate_fmu(
+            str(fmu("servo-b-tuned", "drive", version)),
+            start_values={"run_test": True, "load.mass_kg": 8.0},
+            output=["position_m", "pressure_1_pa", "command_counts", "velocity_estimate", "running"],
+            step_size=PERIOD_S,
+            output_interval=PERIOD_S,
+            stop_time=1.3,
+        )
+        for version in VERSIONS
+    )
+    assert len(newer) > 900
+    for name in newer.dtype.names:
+        assert (older[name] == newer[name]).all(), name
+    assert np.ptp(newer["position_m"]) > 0.05
 
 
 @pytest.mark.parametrize("rig", RIGS)
