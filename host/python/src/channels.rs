@@ -22,7 +22,8 @@ pub enum Column {
 }
 
 impl Column {
-    fn into_python(self, py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
+    /// As an array, or a list of texts.
+    pub fn into_python(self, py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
         match self {
             Column::Float(values) => array(py, values),
             Column::Int(values) => array(py, values),

@@ -13,6 +13,7 @@ mod moves;
 mod notes;
 mod order;
 mod overlay;
+mod plant;
 mod points;
 mod progress;
 mod rig;
@@ -35,7 +36,7 @@ mod _pneudrive {
     #[pymodule_export]
     use super::channels::Channels;
     #[pymodule_export]
-    use super::controller::{Command, Controller, Plant, Sample};
+    use super::controller::{Command, Controller, Sample};
     #[pymodule_export]
     use super::drive::Drive;
     #[pymodule_export]
@@ -46,6 +47,8 @@ mod _pneudrive {
     use super::moves::{Evaluation, Figure, Move};
     #[pymodule_export]
     use super::overlay::{Deviation, Overlay, overlay};
+    #[pymodule_export]
+    use super::plant::{Plant, advance};
     #[pymodule_export]
     use super::points::SentPoints;
     #[pymodule_export]
