@@ -9,6 +9,7 @@ mod drive;
 mod errors;
 mod evaluate;
 mod identify;
+mod linear;
 mod moves;
 mod notes;
 mod order;
@@ -43,6 +44,8 @@ mod _pneudrive {
     use super::evaluate::evaluate;
     #[pymodule_export]
     use super::identify::{Estimate, Identification, identify};
+    #[pymodule_export]
+    use super::linear::LinearModel;
     #[pymodule_export]
     use super::moves::{Evaluation, Figure, Move};
     #[pymodule_export]

@@ -17,6 +17,7 @@ use rayon::prelude::*;
 use crate::channels::{Channels, Column, Columns};
 use crate::controller::{Command, Sample};
 use crate::errors::SimulationError;
+use crate::linear::LinearModel;
 use crate::rig::{Rig, RigOrSource};
 use crate::work;
 
@@ -240,6 +241,14 @@ impl Plant {
             dict.set_item(name, of(&row))?;
         }
         Ok(dict)
+    }
+
+    /// The plant about its present state as a linear system with the command as input.
+    fn linearise(&mut self) -> PyResult<LinearModel> {
+        self.now.check()?;
+        let plant = &mut self.now.plant;
+        let model = work::at_once(|| Ok(plant.linearise()))?;
+        model.map(LinearModel).map_err(|why| PyValueError::new_err(why.to_string()))
     }
 
     fn __repr__(&self) -> String {
