@@ -26,6 +26,7 @@ mod swept;
 mod target;
 mod transient;
 mod tune;
+mod units;
 mod values;
 mod virtual_rig;
 mod work;
@@ -70,6 +71,8 @@ mod _pneudrive {
     use super::transient::Transient;
     #[pymodule_export]
     use super::tune::{Share, Tuned, tune};
+    #[pymodule_export]
+    use super::units::Units;
 
     #[pymodule_export]
     use super::virtual_rig::VirtualRig;
