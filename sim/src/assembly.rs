@@ -17,6 +17,7 @@ mod following;
 mod lag;
 mod lands;
 pub(crate) mod layout;
+pub(crate) mod linear;
 mod load;
 mod next_event;
 mod ports;

@@ -47,6 +47,7 @@ pub mod trace;
 mod values;
 
 pub use assembly::ValveState;
+pub use assembly::linear::{LinearModel, NotLinear};
 pub use convergence::{Convergence, check_convergence};
 pub use follow::follow;
 pub use plant::{Accuracy, PERTURBATION, Plant};

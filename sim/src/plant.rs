@@ -12,6 +12,7 @@ use pneudrive_controller::{Command, Sample};
 use pneudrive_solver::{IntegrationError, Statistics, System};
 
 use crate::assembly::build;
+use crate::assembly::linear::{LinearModel, NotLinear};
 use crate::assembly::{Assembly, Effects, Integration, StateVector, ValveState, scale_of, slot};
 use crate::component::faults::SensorFaults;
 use crate::component::operator::Request;
@@ -368,6 +369,17 @@ impl Plant {
         let t = self.sample_time;
         let x = self.integrator.state(t);
         self.assembly.derivative(t + later, x)[slot::VELOCITY]
+    }
+
+    /// The plant about the state of the present sample as a linear system; a new plant has none before its first sample is
+    /// taken.
+    ///
+    /// # Errors
+    /// Where a command acts on nothing, or the equations have no slopes.
+    pub fn linearise(&mut self) -> Result<LinearModel, NotLinear> {
+        let (t, command) = (self.sample_time, f64::from(self.request.counts));
+        let x = self.integrator.state(t);
+        self.assembly.linearise(t, x, command)
     }
 
     fn output_time_of(&self, k: u64) -> f64 {

@@ -22,7 +22,8 @@ pub enum Column {
 }
 
 impl Column {
-    fn into_python(self, py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
+    /// As an array, or a list of texts.
+    pub fn into_python(self, py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
         match self {
             Column::Float(values) => array(py, values),
             Column::Int(values) => array(py, values),
@@ -70,6 +71,11 @@ impl Channels {
     fn frame<'py>(&self, py: Python<'py>, function: &str) -> PyResult<Bound<'py, PyAny>> {
         py.import("pneudrive.frames")?.call_method1(function, (self.all(py)?,))
     }
+
+    /// As an `xarray.Dataset` over these columns.
+    pub fn over<'py>(&self, py: Python<'py>, axes: Vec<String>) -> PyResult<Bound<'py, PyAny>> {
+        py.import("pneudrive.frames")?.call_method1("to_xarray", (self.all(py)?, axes))
+    }
 }
 
 #[pymethods]
@@ -110,9 +116,14 @@ impl Channels {
         Ok(self.all(py)?.items().unbind())
     }
 
-    /// As a `pandas.DataFrame`, a row an instant.
-    fn to_pandas<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.frame(py, "to_pandas")
+    /// As a `pandas.DataFrame`, a row an instant. A column, such as "time_s", may become its index.
+    #[pyo3(signature = (*, index=None))]
+    fn to_pandas<'py>(&self, py: Python<'py>, index: Option<&str>) -> PyResult<Bound<'py, PyAny>> {
+        let frame = self.frame(py, "to_pandas")?;
+        match index {
+            None => Ok(frame),
+            Some(name) => frame.call_method1("set_index", (name,)),
+        }
     }
 
     /// As a `polars.DataFrame`.

@@ -1,4 +1,4 @@
-//! The controller alone, and the plant alone: for a loop of one's own.
+//! The controller alone, for a loop of one's own.
 
 use pneudrive_controller::{
     self as controller, Config, Fault, Mode, Parameters, Refusal, Sequence, State, output, sample,
@@ -12,8 +12,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::errors::Refused;
-use crate::rig::{Rig, RigOrSource};
-use crate::work;
+use crate::rig::RigOrSource;
 
 /// One reading of the sensors, in the raw units of the hardware.
 #[pyclass(frozen, get_all, eq, from_py_object, module = "pneudrive")]
@@ -37,6 +36,11 @@ impl Sample {
     #[pyo3(signature = (position, pressure_1=0, pressure_2=0, spool=0, home_switch=false))]
     fn new(position: i32, pressure_1: i16, pressure_2: i16, spool: i16, home_switch: bool) -> Sample {
         Sample { position, pressure_1, pressure_2, spool, home_switch }
+    }
+
+    /// For pickle.
+    fn __getnewargs__(&self) -> (i32, i16, i16, i16, bool) {
+        (self.position, self.pressure_1, self.pressure_2, self.spool, self.home_switch)
     }
 
     fn __repr__(&self) -> String {
@@ -78,13 +82,18 @@ pub struct Command {
 impl Command {
     #[new]
     #[pyo3(signature = (counts, step=0, drive_enable=true))]
-    fn new(counts: i16, step: i8, drive_enable: bool) -> PyResult<Command> {
+    pub fn new(counts: i16, step: i8, drive_enable: bool) -> PyResult<Command> {
         if !(-2048..=2048).contains(&counts) || !(-1..=1).contains(&step) {
             let text =
                 format!("counts must be between -2048 and 2048, and step -1, 0 or 1; is {counts}, {step}");
             return Err(PyValueError::new_err(text));
         }
         Ok(Command { counts, step, drive_enable })
+    }
+
+    /// For pickle.
+    fn __getnewargs__(&self) -> (i16, i8, bool) {
+        (self.counts, self.step, self.drive_enable)
     }
 
     fn __repr__(&self) -> String {
@@ -232,87 +241,5 @@ impl Controller {
 
     fn __repr__(&self) -> String {
         format!("<Controller {}, sample {}>", self.mode(), self.state.observation().index)
-    }
-}
-
-/// The plant of a rig as a controller sees it: a command in, a sample out.
-#[pyclass(module = "pneudrive")]
-pub struct Plant {
-    plant: pneudrive_sim::Plant,
-    period_us: u64,
-    /// Samples taken.
-    k: u64,
-    /// What ended it.
-    failure: Option<String>,
-}
-
-impl Plant {
-    fn act<T: Send>(
-        &mut self,
-        py: Python<'_>,
-        act: impl FnOnce(&mut pneudrive_sim::Plant) -> anyhow::Result<T> + Send,
-    ) -> PyResult<T> {
-        if let Some(failure) = &self.failure {
-            return Err(crate::errors::SimulationError::new_err(failure.clone()));
-        }
-        let plant = &mut self.plant;
-        let done = py.detach(|| work::at_once(|| act(plant)));
-        self.failure = done.as_ref().err().map(|error| error.value(py).to_string());
-        done
-    }
-}
-
-#[pymethods]
-impl Plant {
-    /// The plant in the initial state of the rig's test. `seed` is for the noise of its sensors.
-    #[new]
-    #[pyo3(signature = (rig, /, *, seed=0, tolerance=None, method=None))]
-    fn new(rig: RigOrSource, seed: u64, tolerance: Option<f64>, method: Option<&str>) -> PyResult<Plant> {
-        let rig: Rig = rig.0;
-        let accuracy = rig.accuracy(tolerance, method)?;
-        let plant = work::at_once(|| Ok(pneudrive_sim::Plant::new(&rig.rig, accuracy, seed)))?;
-        Ok(Plant { plant, period_us: rig.rig.period_us().get().into(), k: 0, failure: None })
-    }
-
-    /// The sensors at the present sample.
-    fn sample(&mut self, py: Python<'_>) -> PyResult<Sample> {
-        self.act(py, |plant| Ok(plant.sample()?)).map(Sample::from)
-    }
-
-    /// To the next sample, with this command in force from the output in between; returns that sample.
-    fn advance(&mut self, py: Python<'_>, command: Command) -> PyResult<Sample> {
-        let sample = self.act(py, |plant| Ok(plant.advance(command.into())?))?;
-        self.k += 1;
-        Ok(sample.into())
-    }
-
-    /// The state at the present sample, SI except where the name says otherwise.
-    #[getter]
-    fn state<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let time_s = (self.k * self.period_us) as f64 / 1e6;
-        let seen = self.act(py, |plant| Ok(plant.look(time_s)?))?;
-        let dict = PyDict::new(py);
-        for (name, value) in [
-            ("time_s", time_s),
-            ("position_m", seen.position),
-            ("velocity_m_s", seen.velocity),
-            ("acceleration_m_s2", seen.acceleration),
-            ("pressure_1_pa", seen.pressures[0]),
-            ("pressure_2_pa", seen.pressures[1]),
-            ("temperature_1_k", seen.temperatures[0]),
-            ("temperature_2_k", seen.temperatures[1]),
-            ("spool_mm", 1e3 * seen.spool),
-            ("mass_flow_1_kg_s", seen.mass_flows[0]),
-            ("mass_flow_2_kg_s", seen.mass_flows[1]),
-            ("actuator_force_n", seen.actuator_force),
-            ("friction_n", seen.friction),
-        ] {
-            dict.set_item(name, value)?;
-        }
-        Ok(dict)
-    }
-
-    fn __repr__(&self) -> String {
-        format!("<Plant at sample {}>", self.k)
     }
 }

@@ -11,7 +11,9 @@ use pneudrive_records::units::Units;
 use pneudrive_records::words;
 use pneudrive_session::drive;
 use pneudrive_session::record::to_memory;
+use pneudrive_session::slow_move::{self, Standing};
 use pneudrive_session::streaming::ToFile;
+use pneudrive_session::test_run::TestRun;
 use pneudrive_sim::component::controller::Loop;
 use pneudrive_sim::keys;
 use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyValueError};
@@ -92,6 +94,23 @@ impl Drive {
                 Err(PyRuntimeError::new_err(text))
             }
         }
+    }
+
+    /// Runs the slow move that `test` makes of where the drive stands; returns where it is then, mm.
+    fn move_slowly(
+        &self,
+        py: Python<'_>,
+        rig: &pneudrive_sim::Rig,
+        test: impl FnOnce(&pneudrive_sim::Rig, &Standing) -> Result<pneudrive_sim::Rig> + Send,
+    ) -> PyResult<f64> {
+        self.act(py, None, |client, meter| {
+            let standing = Standing::of(client, rig.name(), rig)?;
+            let test = test(rig, &standing)?;
+            let prepared = TestRun::of(&test).prepare(client, None)?;
+            prepared.run(client, meter.ends(), &mut || meter.check(), |_| {}).ended?;
+            let position = client.status()?.position;
+            Units::of(&standing.there).millimetres(position).context("the drive has lost its scale")
+        })
     }
 
     /// Starts a run, and hands the client to the thread that follows it.
@@ -240,6 +259,30 @@ impl Drive {
                 (None, mm) => at(mm.unwrap_or(f64::NAN))?,
             };
             drive::reference(client, count).map(drop)
+        })
+    }
+
+    /// Homes the axis: it moves slowly to its stop or switch, which references the counts. The drive must be armed, and
+    /// stays so. An absolute encoder needs no homing, and nothing moves. Ctrl-C stops the drive.
+    fn home(&self, py: Python<'_>) -> PyResult<()> {
+        self.act(py, None, |client, meter| drive::home(client, &mut || meter.check()).map(drop))
+    }
+
+    /// Moves the drive slowly to a place in mm, arming it if need be; returns where it is then, mm. It holds until it is
+    /// disarmed. Ctrl-C stops it.
+    #[pyo3(signature = (rig, mm, /))]
+    fn go_to(&self, py: Python<'_>, rig: RigOrSource, mm: f64) -> PyResult<f64> {
+        self.move_slowly(py, &rig.0.rig, |rig, standing| {
+            slow_move::go(rig, &standing.there, standing.from_mm, mm)
+        })
+    }
+
+    /// Moves the drive slowly by a stretch in mm, at most 30 and no farther than its reach, arming it if need be; below 0
+    /// towards the retracted end. Returns where it is then, mm. It holds until it is disarmed. Ctrl-C stops it.
+    #[pyo3(signature = (rig, mm, /))]
+    fn jog(&self, py: Python<'_>, rig: RigOrSource, mm: f64) -> PyResult<f64> {
+        self.move_slowly(py, &rig.0.rig, |rig, standing| {
+            slow_move::jog(rig, &standing.there, standing.from_mm, mm)
         })
     }
 

@@ -9,10 +9,12 @@ mod drive;
 mod errors;
 mod evaluate;
 mod identify;
+mod linear;
 mod moves;
 mod notes;
 mod order;
 mod overlay;
+mod plant;
 mod points;
 mod progress;
 mod rig;
@@ -24,6 +26,7 @@ mod swept;
 mod target;
 mod transient;
 mod tune;
+mod units;
 mod values;
 mod virtual_rig;
 mod work;
@@ -35,7 +38,7 @@ mod _pneudrive {
     #[pymodule_export]
     use super::channels::Channels;
     #[pymodule_export]
-    use super::controller::{Command, Controller, Plant, Sample};
+    use super::controller::{Command, Controller, Sample};
     #[pymodule_export]
     use super::drive::Drive;
     #[pymodule_export]
@@ -43,9 +46,13 @@ mod _pneudrive {
     #[pymodule_export]
     use super::identify::{Estimate, Identification, identify};
     #[pymodule_export]
+    use super::linear::LinearModel;
+    #[pymodule_export]
     use super::moves::{Evaluation, Figure, Move};
     #[pymodule_export]
     use super::overlay::{Deviation, Overlay, overlay};
+    #[pymodule_export]
+    use super::plant::{Plant, advance};
     #[pymodule_export]
     use super::points::SentPoints;
     #[pymodule_export]
@@ -64,6 +71,8 @@ mod _pneudrive {
     use super::transient::Transient;
     #[pymodule_export]
     use super::tune::{Share, Tuned, tune};
+    #[pymodule_export]
+    use super::units::Units;
 
     #[pymodule_export]
     use super::virtual_rig::VirtualRig;

@@ -52,6 +52,12 @@ impl Rig {
         Rig::read(self.source.clone(), self.settings.iter().cloned().chain(changed).collect())
     }
 
+    /// Whether all keys have the values of another rig.
+    pub fn is_like(&self, other: &Rig) -> bool {
+        let of = |rig| pneudrive_sim::Rig::entries(rig).map(|(key, value)| (key.path, value));
+        of(&self.rig).eq(of(&other.rig))
+    }
+
     /// How exactly its run is integrated: as it needs, or as is asked for.
     ///
     /// # Errors
@@ -231,12 +237,7 @@ impl Rig {
     }
 
     fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
-        other.extract::<Rig>().is_ok_and(|other| {
-            let of = |rig: &Rig| {
-                rig.rig.entries().map(|(key, value)| (key.path, value.clone())).collect::<Vec<_>>()
-            };
-            of(self) == of(&other)
-        })
+        other.extract::<Rig>().is_ok_and(|other| self.is_like(&other))
     }
 
     fn __repr__(&self) -> String {

@@ -110,6 +110,23 @@ impl SweepResult {
         Rig::read((name, text), sweep.settings_of(point).concat())
     }
 
+    /// The varied quantities that are not drawn, in their order.
+    #[getter]
+    fn axes(&self) -> Vec<String> {
+        let axes = self.swept.0.axes.iter().filter(|axis| !axis.drawn);
+        axes.map(|axis| axis.name.clone()).collect()
+    }
+
+    /// As an `xarray.Dataset` over the axes. Where values are drawn it has the dimension `draw`, too, and they are among
+    /// its variables.
+    fn to_xarray<'py>(slf: PyRef<'_, SweepResult>, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let mut axes = slf.axes();
+        if slf.swept.0.is_drawn() {
+            axes.push("draw".to_owned());
+        }
+        slf.as_super().over(py, axes)
+    }
+
     /// The result as `pneudrive sweep` writes it, byte for byte.
     fn to_csv(&self) -> String {
         let (sweep, rows) = &*self.swept;

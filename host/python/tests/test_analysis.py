@@ -188,3 +188,26 @@ def test_gains_are_judged_on_draws() -> None:
 def test_a_wrong_tuning_is_refused(numbers: dict[str, object], exception: type[Exception], message: str) -> None:
     with pytest.raises(exception, match=message):
         pneudrive.tune("servo-b-tuned", **numbers)  # type: ignore[arg-type]
+
+
+def test_a_sweep_becomes_a_dataset_over_its_axes() -> None:
+    found = pneudrive.sweep(
+        Rig("servo-b-tuned", test__moves=[(0.0, 8192), (0.1, 13171)], test__duration_s=0.6),
+        vary={"load.mass_kg": [1.0, 2.0, 3.0], "controller.velocity_gain": [1500, 2000]},
+        metrics={"rise": "rise_s"},
+    )
+    assert found.axes == ["load.mass_kg", "controller.velocity_gain"]
+    data = found.to_xarray()
+    assert dict(data.sizes) == {"load.mass_kg": 3, "controller.velocity_gain": 2}
+    for point in range(6):
+        at = {axis: found[axis][point] for axis in found.axes}
+        assert data["point"].sel(at) == point
+        assert np.array_equal(data["rise"].sel(at), found["rise"][point], equal_nan=True)
+
+
+def test_the_draws_of_a_sweep_are_a_dimension() -> None:
+    found = pneudrive.sweep(SWEEP)
+    data = found.to_xarray()
+    assert list(data.sizes) == [*found.axes, "draw"]
+    assert data["point"].size == len(found["point"])
+    assert np.array_equal(np.sort(data["point"].values.ravel()), found["point"])

@@ -1,5 +1,7 @@
 """The controller alone and the plant alone, in a loop written in Python."""
 
+import pickle
+
 import numpy as np
 import pytest
 
@@ -76,3 +78,8 @@ def test_the_state_of_the_plant_is_that_of_the_run(rig: Rig) -> None:
         sample = plant.advance(controller.step(sample))
     time_s, position = run["time_s"], run["position_m"]
     assert plant.state["position_m"] == pytest.approx(np.interp(plant.state["time_s"], time_s, position), abs=1e-9)
+
+
+def test_samples_and_commands_are_pickled() -> None:
+    for one in (Sample(1, 2, 3, 4, True), Command(5, -1, False)):
+        assert pickle.loads(pickle.dumps(one)) == one

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import pneudrive
-from pneudrive import Controller, Drive, Rig, Sample, VirtualRig
+from pneudrive import Controller, Drive, Rig, Sample, Units, VirtualRig
 
 
 @pytest.fixture
@@ -288,3 +288,42 @@ def test_a_trip_is_told_after_the_rows_before_it(rig: Rig) -> None:
 def test_a_stream_takes_no_progress(port: str, rig: Rig) -> None:
     with Drive(port) as drive, pytest.raises(TypeError, match="a stream without a file shows how far it is"):
         drive.stream(rig, progress=True)  # type: ignore[call-overload]
+
+
+def test_a_drive_goes_to_a_place_and_by_a_stretch(port: str, rig: Rig) -> None:
+    with Drive(port) as drive:
+        there = drive.go_to(rig, 120.0)
+        assert there == pytest.approx(120.0, abs=1.0)
+        assert drive.status()["mode"] == "done", "it holds"
+        assert Units(rig).position_m(drive.status()["position_counts"]) == pytest.approx(1e-3 * there)
+        assert drive.jog(rig, -5.0) == pytest.approx(there - 5.0, abs=1.0)
+        with pytest.raises(pneudrive.Refused, match="out of reach: the drive goes from 0.0 to 300.0 mm"):
+            drive.go_to(rig, 301.0)
+        with pytest.raises(pneudrive.Refused, match="encoder.mm_per_count of the drive is not that of servo-b-tuned"):
+            drive.jog(rig.with_(encoder__mm_per_count=0.01), 1.0)
+
+
+def test_an_axis_is_homed(port: str) -> None:
+    with Drive(port) as drive:
+        with pytest.raises(pneudrive.Refused, match="the drive is not armed; arm it first"):
+            drive.home()
+        drive.arm()
+        drive.home()
+        status = drive.status()
+        assert (status["mode"], status["referenced"]) == ("armed", True)
+
+
+def test_ctrl_c_stops_a_homing_run(slow_port: str) -> None:
+    with Drive(slow_port) as drive:
+        drive.arm()
+        threading.Timer(0.3, _thread.interrupt_main).start()
+        with pytest.raises(KeyboardInterrupt):
+            drive.home()
+        assert drive.status()["fault"] == "stop"
+
+
+def test_an_absolute_encoder_needs_no_homing() -> None:
+    with VirtualRig(Rig("servo-b-tuned", encoder__model="ssi")) as virtual, Drive(virtual.port) as drive:
+        before = drive.status()["position_counts"]
+        drive.home()
+        assert drive.status()["position_counts"] == before

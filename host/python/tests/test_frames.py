@@ -44,3 +44,12 @@ def test_graphs_show_the_channels_and_the_band(run: Run, target: Target) -> None
     assert len(target.plot(["position_mm"]).axes) == 1
     with pytest.raises(KeyError, match="there is no column position"):
         run.plot(["position"])
+
+
+def test_a_column_becomes_the_index_of_a_frame(run: Run) -> None:
+    frame = run.to_pandas(index="time_s")
+    assert frame.index.name == "time_s"
+    assert np.array_equal(frame.index, run["time_s"])
+    assert list(frame.columns) == [name for name in run if name != "time_s"]
+    with pytest.raises(KeyError, match="time_ms"):
+        run.to_pandas(index="time_ms")

@@ -1,8 +1,13 @@
-//! A drive armed, and told where its axis stands.
+//! A drive armed, homed, and told where its axis stands.
 
-use anyhow::Result;
+use std::time::{Duration, Instant};
+
+use anyhow::{Result, bail};
 use pneudrive_controller::parameters::id;
 use pneudrive_link::client::Client;
+use pneudrive_link::failure::Failure;
+use pneudrive_protocol::Mode;
+use pneudrive_records::words;
 
 use crate::firmware_notes::{report_armed, report_boots, report_run_input};
 
@@ -15,6 +20,55 @@ pub fn arm(client: &mut Client) -> Result<()> {
     report_armed(&client.arm()?);
     report_run_input(client);
     Ok(())
+}
+
+/// How an axis came to its reference.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Homed {
+    /// It moved to its stop or switch.
+    Moved,
+    /// It has an absolute encoder, and needs none.
+    Absolute,
+}
+
+/// Homes the axis and waits for the end. `goes_on` is asked meanwhile; an error of it stops the drive.
+///
+/// # Errors
+/// When the drive refuses, trips or does not answer, and the error of `goes_on`.
+pub fn home(client: &mut Client, goes_on: &mut dyn FnMut() -> Result<()>) -> Result<Homed> {
+    report_boots(client);
+    let parameters = client.parameters()?.values;
+    if parameters.absolute_zero().is_some() && client.status()?.referenced {
+        return Ok(Homed::Absolute);
+    }
+    let timeout_ms = parameters.get(id::HOMING_TIMEOUT_MS).unwrap_or(0).unsigned_abs();
+    // The rig trips at its own timeout; an emulated one may run several times slower than real time.
+    let longest = Duration::from_millis((10 * u64::from(timeout_ms)).max(5000));
+    client.home()?;
+    let begun = Instant::now();
+    while client.status()?.mode == Mode::Homing {
+        if begun.elapsed() > longest {
+            client.stop()?;
+            bail!(
+                "homing was still running long after its timeout of {} s; the drive was stopped",
+                f64::from(timeout_ms) / 1e3
+            );
+        }
+        if let Err(error) = goes_on() {
+            client.stop()?;
+            return Err(error);
+        }
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    let status = client.status()?;
+    if status.mode == Mode::Fault {
+        return Err(Failure::Tripped.error(format!(
+            "the drive tripped during homing: {} ({}); arming it clears the fault",
+            words::fault_code_name(status.fault),
+            words::fault_meaning(status.fault)
+        )));
+    }
+    Ok(Homed::Moved)
 }
 
 /// States that the axis stands at `count` now. Returns the zero of an absolute encoder, which is set for that; None of an

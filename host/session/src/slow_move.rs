@@ -1,9 +1,11 @@
 //! Slow moves by hand, to a place or by a stretch: a test whose setpoint goes in small steps, within the reach of the drive.
 
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
 use pneudrive_controller::parameters::id;
+use pneudrive_link::client::Client;
 use pneudrive_link::failure::Failure;
 use pneudrive_records::rig_info::RigParameters;
+use pneudrive_records::units::Units;
 use pneudrive_sim::Rig;
 use pneudrive_sim::component::controller::Loop;
 use pneudrive_sim::component::encoder::mm_per_count;
@@ -26,6 +28,35 @@ const STEP_S: f64 = 0.05;
 
 /// How long the drive has to settle before its test is over, s.
 const SETTLING_S: f64 = 0.2;
+
+/// A drive that is to be moved, and where it stands.
+#[derive(Debug)]
+pub struct Standing {
+    /// Its parameters.
+    pub there: RigParameters,
+    /// Where it stands, mm.
+    pub from_mm: f64,
+}
+
+impl Standing {
+    /// The drive of a rig file that messages call `name`.
+    ///
+    /// # Errors
+    /// When the counts of the drive have another length than those of the rig file, or it does not answer.
+    pub fn of(client: &mut Client, name: &str, rig: &Rig) -> Result<Standing> {
+        let there = client.parameters()?;
+        let length = id::ENCODER_PM_PER_COUNT;
+        if there.values.get(length) != rig.parameters().get(length) {
+            let key = keys::encoder::MM_PER_COUNT.path;
+            return Err(Failure::Refused.error(format!(
+                "{key} of the drive is not that of {name}: name the drive's own rig file; nothing was changed"
+            )));
+        }
+        let from = Units::of(&there).millimetres(client.status()?.position);
+        let from_mm = from.context("the rig does not tell how long a count of its encoder is")?;
+        Ok(Standing { there, from_mm })
+    }
+}
 
 /// The rig with a test that moves the setpoint at a constant rate from one place to another, mm. A place beyond the
 /// stroke becomes the end of the stroke.

@@ -8,9 +8,7 @@ mod records;
 mod units;
 mod valve;
 
-use std::time::{Duration, Instant};
-
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result};
 use pneudrive_controller::parameters::{id, line};
 use pneudrive_link::client::{Client, Commander};
 use pneudrive_protocol::{
@@ -18,8 +16,7 @@ use pneudrive_protocol::{
 };
 use pneudrive_records::units::Units;
 use pneudrive_records::words;
-use pneudrive_session::drive;
-use pneudrive_session::firmware_notes::report_boots;
+use pneudrive_session::drive::{self, Homed};
 use serde_json::{Value, json};
 
 use super::interrupts::Interrupts;
@@ -152,40 +149,19 @@ fn provenance(state: &ConfigState) -> String {
 
 /// Homes the axis and waits for the end. Ctrl-C stops it.
 fn home(client: &mut Client, counts: bool) -> Result<()> {
-    report_boots(client);
-    let parameters = client.parameters()?.values;
-    if parameters.absolute_zero().is_some() && client.status()?.referenced {
-        return tell_home(client, counts, ["no homing is needed, as the encoder is absolute", ""]);
-    }
     let interrupts = Interrupts::watch();
-    let timeout_ms = parameters.get(id::HOMING_TIMEOUT_MS).unwrap_or(0).unsigned_abs();
-    // The rig trips at its own timeout; an emulated one may run several times slower than real time.
-    let longest = Duration::from_millis((10 * u64::from(timeout_ms)).max(5000));
-    client.home()?;
-    let begun = Instant::now();
-    while client.status()?.mode == Mode::Homing {
-        if begun.elapsed() > longest {
-            client.stop()?;
-            bail!(
-                "homing was still running long after its timeout of {} s; the drive was stopped",
-                f64::from(timeout_ms) / 1e3
-            );
+    let mut goes_on =
+        || match interrupts.look() {
+            false => Ok(()),
+            true => Err(Exit::Interrupted
+                .error("homing was stopped by Ctrl-C; `pneudrive device arm` clears the fault")),
+        };
+    match drive::home(client, &mut goes_on) {
+        Ok(Homed::Moved) => tell_home(client, counts, ["homed", ", armed"]),
+        Ok(Homed::Absolute) => {
+            tell_home(client, counts, ["no homing is needed, as the encoder is absolute", ""])
         }
-        if interrupts.look() {
-            client.stop()?;
-            return interrupts.explain(Err(Exit::Interrupted
-                .error("homing was stopped by Ctrl-C; `pneudrive device arm` clears the fault")));
-        }
-        std::thread::sleep(Duration::from_millis(20));
-    }
-    let status = client.status()?;
-    match status.mode {
-        Mode::Fault => Err(Exit::Tripped.error(format!(
-            "the drive tripped during homing: {} ({}); `pneudrive device arm` clears the fault",
-            words::fault_code_name(status.fault),
-            words::fault_meaning(status.fault)
-        ))),
-        _ => tell_home(client, counts, ["homed", ", armed"]),
+        Err(error) => interrupts.explain(Err(error)),
     }
 }
 

@@ -44,6 +44,9 @@ pub trait FrictionModel: Sized {
     /// The scale of each of its states, for the integrator's tolerance.
     const SCALE: &'static [f64] = &[];
 
+    /// What they are called, with their units.
+    const NAMES: &'static [&'static str] = &[];
+
     /// The friction of a rig's load.
     fn of(rig: &Rig) -> Self;
 
@@ -133,6 +136,12 @@ macro_rules! models {
             #[must_use]
             pub fn scale(&self) -> &'static [f64] {
                 match self { $(Friction::$name(_) => <$file::$model as FrictionModel>::SCALE,)+ }
+            }
+
+            /// What each state is called, with its unit.
+            #[must_use]
+            pub fn state_names(&self) -> &'static [&'static str] {
+                match self { $(Friction::$name(_) => <$file::$model as FrictionModel>::NAMES,)+ }
             }
         }
 

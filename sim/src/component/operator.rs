@@ -131,6 +131,16 @@ pub(crate) enum KnownMotion<'a> {
     Unknown,
 }
 
+/// How a spool follows its command as long as nothing limits it: without hysteresis, dither, friction and stops.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum SpoolLaw {
+    /// At once, by so many metres a count.
+    Follows { per_count: f64 },
+    /// As a damped mass: to so many metres a count, by its stiffness (1/s^2) and damping (1/s) over its mass (kg). What
+    /// feels no flow has an infinite mass.
+    Moves { per_count: f64, stiffness_per_mass: f64, damping_per_mass: f64, mass: f64 },
+}
+
 /// Guards that an operator has.
 pub const GUARDS: usize = 2 + moving_hysteresis::GUARDS;
 
@@ -221,6 +231,25 @@ impl Operator {
     pub fn stick(&mut self, t: f64, spool: SpoolState) {
         if !matches!(self, Operator::Stuck(_)) {
             *self = Operator::Stuck(Stuck::new(self.position(t, spool), self.clone()));
+        }
+    }
+
+    /// The spool is at this position (m) from now on, whatever the operator does.
+    pub(crate) fn hold(&mut self, position: f64) {
+        match self {
+            Operator::Stuck(stuck) => stuck.hold(position),
+            other => *other = Operator::Stuck(Stuck::new(position, other.clone())),
+        }
+    }
+
+    /// How its spool follows a small change of the command. None of an on-off valve, whose spool has three places and
+    /// nothing between them, and of a spool that is stuck.
+    pub(crate) fn spool_law(&self) -> Option<SpoolLaw> {
+        match self {
+            Operator::Solenoid(solenoid) => Some(solenoid.spool_law()),
+            Operator::Empirical(empirical) => Some(empirical.spool_law()),
+            Operator::Stepper(stepper) => Some(stepper.spool_law()),
+            Operator::OnOff(_) | Operator::Stuck(_) => None,
         }
     }
 

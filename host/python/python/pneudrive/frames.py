@@ -24,6 +24,15 @@ def to_pandas(columns: Columns) -> Any:
     return _needs("pandas", "pandas").DataFrame(columns, copy=False)
 
 
+def to_xarray(columns: Columns, axes: list[str]) -> Any:
+    """A dataset over these columns; `draw` numbers the rows of the others."""
+    _needs("xarray", "xarray")
+    frame = to_pandas(columns)
+    if axes[-1] == "draw":
+        frame["draw"] = frame.groupby(axes[:-1]).cumcount() if axes[:-1] else range(len(frame))
+    return frame.set_index(axes).to_xarray()
+
+
 def to_polars(columns: Columns) -> Any:
     return _needs("polars", "polars").DataFrame(columns)
 

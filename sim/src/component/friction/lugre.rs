@@ -46,6 +46,8 @@ const SLOW: f64 = 1e-6;
 impl FrictionModel for LuGre {
     const SCALE: &'static [f64] = &[1e-3, 1.0];
 
+    const NAMES: &'static [&'static str] = &["bristle_deflection_m", "film_thickness"];
+
     fn of(rig: &Rig) -> LuGre {
         let both = |one, other| [one, other].map(|key| rig.get(key));
         LuGre {

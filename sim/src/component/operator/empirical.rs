@@ -9,7 +9,7 @@
 //! play's memory is not limited.
 
 use super::closed_form::{Forcing, FreeMotion, Oscillator};
-use super::{GUARDS, Request, SpoolState};
+use super::{GUARDS, Request, SpoolLaw, SpoolState};
 use crate::component::dither::Dither;
 use crate::component::operator::{amplifier, hysteresis};
 use crate::component::play::{self, Play};
@@ -115,6 +115,16 @@ impl Empirical {
     /// s.
     pub(super) fn max_step(&self) -> f64 {
         self.flight.as_ref().map_or(f64::INFINITY, FreeMotion::quarter_period)
+    }
+
+    pub(super) fn spool_law(&self) -> SpoolLaw {
+        let p = &self.parameters;
+        SpoolLaw::Moves {
+            per_count: p.amplifier_gain * p.travel_per_count,
+            stiffness_per_mass: p.stiffness_per_mass,
+            damping_per_mass: p.damping_per_mass,
+            mass: f64::INFINITY,
+        }
     }
 
     fn amplified(&self) -> f64 {

@@ -16,7 +16,7 @@ mod parameters;
 use super::closed_form::{Forcing, FreeMotion, Oscillator, rounding};
 use super::hysteresis::Hysteresis;
 use super::moving_hysteresis::MovingHysteresis;
-use super::{GUARDS, Request, SpoolState, within_range};
+use super::{GUARDS, Request, SpoolLaw, SpoolState, within_range};
 use crate::component::dither::Dither;
 use crate::component::friction::Contact;
 use crate::component::stop::Side;
@@ -146,6 +146,16 @@ impl Solenoid {
     #[cfg(test)]
     pub(crate) fn magnetised(&self, t: f64) -> f64 {
         self.magnetism.output(t)
+    }
+
+    pub(super) fn spool_law(&self) -> SpoolLaw {
+        let p = &self.parameters;
+        SpoolLaw::Moves {
+            per_count: self.amplified_per_count() * p.force_gain / p.spring,
+            stiffness_per_mass: p.spring / p.spool_mass,
+            damping_per_mass: p.damping / p.spool_mass,
+            mass: p.spool_mass,
+        }
     }
 
     /// m.

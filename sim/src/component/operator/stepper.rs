@@ -1,7 +1,7 @@
 //! Stepper motor with a lead screw (6.4.1; thesis L(2) = 2): x = mm_per_step n, a step a pulse, at
 //! once and rigidly. The pulses come one a sample, at the output.
 
-use super::Request;
+use super::{Request, SpoolLaw};
 use crate::key::keys;
 use crate::values::Rig;
 
@@ -42,6 +42,10 @@ impl Stepper {
 
     pub(super) fn commanded(&self) -> f64 {
         f64::from(self.target) * self.travel_per_step
+    }
+
+    pub(super) fn spool_law(&self) -> SpoolLaw {
+        SpoolLaw::Follows { per_count: self.travel_per_step }
     }
 
     pub(super) fn position(&self) -> f64 {

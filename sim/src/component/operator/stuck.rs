@@ -15,6 +15,10 @@ impl Stuck {
         Stuck { position, operator: Box::new(operator) }
     }
 
+    pub(super) fn hold(&mut self, position: f64) {
+        self.position = position;
+    }
+
     pub(super) fn drive(&mut self, t: f64, spool: SpoolState, request: Request, flow_force: f64) {
         self.operator.drive(t, spool, request, flow_force);
     }
