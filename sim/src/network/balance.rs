@@ -81,14 +81,10 @@ impl Network {
             && !self.cylinder_tube.feels_temperature()
     }
 
-    /// Whether the usual pattern may be tried: all restrictions are orifices for air that finds its own speed, and none is shut.
+    /// Whether the usual pattern may be tried: all restrictions are orifices for air, and none is shut.
     #[inline(always)]
     pub(super) fn may_be_usual(&self, boundary: &BoundaryConditions) -> bool {
-        self.passes_air
-            && self.is_plain()
-            && self.given.is_none()
-            && !boundary.has_shut_land
-            && boundary.valve.port.is_some()
+        self.passes_air && self.is_plain() && !boundary.has_shut_land && boundary.valve.port.is_some()
     }
 
     /// The air in front of the lands, behind the supply's tube.
@@ -96,7 +92,7 @@ impl Network {
     pub(super) fn supply_side<const AT_REST: bool>(&self, nodes: &Nodes, at_valve: &FarEnd) -> Side {
         let station = GasState { exner: pair(at_valve.exner), temperature: self.supply_temperature() };
         let approach = match &self.given {
-            _ if AT_REST => None,
+            _ if AT_REST || self.mach == 0.0 => None,
             Some([at_lands, _]) => Some(*at_lands),
             None => self.supply_approach(&station, nodes.supply),
         };
@@ -120,7 +116,7 @@ impl Network {
         });
         let station = GasState { exner: far_end.exner, ..boundary.chambers };
         let approach = match &self.given {
-            _ if AT_REST => None,
+            _ if AT_REST || self.mach == 0.0 => None,
             Some([_, at_ports]) => Some(*at_ports),
             None => self.port_approach(&station, back),
         };

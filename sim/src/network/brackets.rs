@@ -85,9 +85,11 @@ impl Network {
     /// The nodes for given speeds of approach: by Newton's method to rounding error, else by brackets.
     fn at_speeds(&mut self, boundary: &BoundaryConditions, approaches: &[[MaybeApproach; 3]; 2]) -> Nodes {
         let (tight, mut nodes) = (std::mem::replace(&mut self.tight, true), self.nodes);
+        // In the usual pattern the speeds follow the flows.
+        let passes_air = std::mem::replace(&mut self.passes_air, false);
         self.given = Some([0, 2].map(|place| given(approaches.map(|node| node[place]))));
         let found = self.newton(boundary, &mut nodes, Slope::Tangent);
-        (self.given, self.tight) = (None, tight);
+        (self.given, self.tight, self.passes_air) = (None, tight, passes_air);
         if found {
             return nodes;
         }
