@@ -76,7 +76,7 @@ pub enum Command {
     Export(Export),
     /// Turn the log of another recorder, CSV or MCAP, into a TARGET file for overlay, eval, spectrum and identify
     Import(Import),
-    /// Write a rig as an FMU for other simulators (FMI 3.0 co-simulation): plant, controller, or both
+    /// Write a rig as an FMU for other simulators (co-simulation, FMI 3.0 or 2.0): plant, controller, or both
     Fmu(Fmu),
     /// Run the component tests of the thesis on a rig's valve, operator and tubes
     Characterise(Characterise),
