@@ -10,6 +10,7 @@
 pub mod fmi2;
 mod held;
 mod memory;
+mod states;
 mod unsupported;
 mod variables;
 
@@ -24,6 +25,7 @@ use held::{Log, add, caught, remove, with};
 use memory::{put, text};
 
 pub use held::{Environment, Handle, LogMessage, LogMessage2, Status};
+pub use states::*;
 pub use unsupported::*;
 pub use variables::*;
 
@@ -147,43 +149,5 @@ pub unsafe extern "C" fn fmi3DoStep(
             put(last_successful_time, instance.time());
         }
         done
-    })
-}
-
-/// Keeps the present state: under a new number where `state` points to null, else in place of the state there.
-///
-/// # Safety
-/// `state` is null or may be read and written.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3GetFMUState(instance: Handle, state: *mut Handle) -> Status {
-    with(instance, |instance| {
-        // SAFETY: as this function requires.
-        let place = unsafe { state.as_mut() }.context("FMUState is null")?;
-        match place.addr() {
-            0 => *place = ptr::without_provenance_mut(instance.keep()),
-            number => instance.keep_as(number)?,
-        }
-        Ok(())
-    })
-}
-
-/// Goes back to a state that this instance has kept.
-#[unsafe(no_mangle)]
-pub extern "C" fn fmi3SetFMUState(instance: Handle, state: Handle) -> Status {
-    with(instance, |instance| instance.restore(state.addr()))
-}
-
-/// Keeps a state no longer, and sets it to null; null is left alone.
-///
-/// # Safety
-/// `state` is null or may be read and written.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3FreeFMUState(instance: Handle, state: *mut Handle) -> Status {
-    with(instance, |instance| {
-        // SAFETY: as this function requires.
-        let Some(place) = (unsafe { state.as_mut() }).filter(|place| !place.is_null()) else { return Ok(()) };
-        instance.forget(place.addr())?;
-        *place = ptr::null_mut();
-        Ok(())
     })
 }

@@ -16,7 +16,6 @@ use percent_encoding::percent_decode_str;
 
 use super::held::{Environment, Handle, Log, LogMessage2, Status, add, caught, remove, with};
 use super::memory::{array, array_mut, text};
-use super::{fmi3FreeFMUState, fmi3GetFMUState, fmi3SetFMUState};
 use crate::instance::Instance;
 use crate::signal::{Kind, Value};
 
@@ -172,32 +171,6 @@ pub extern "C" fn fmi2DoStep(
     _no_set_fmu_state_prior_to_current_point: c_int,
 ) -> Status {
     with(instance, |instance| instance.step(current_communication_point, communication_step_size))
-}
-
-/// Keeps the present state, as [`fmi3GetFMUState`].
-///
-/// # Safety
-/// `state` is null or may be read and written.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetFMUstate(instance: Handle, state: *mut Handle) -> Status {
-    // SAFETY: as this function requires.
-    unsafe { fmi3GetFMUState(instance, state) }
-}
-
-/// Goes back to a state that this instance has kept.
-#[unsafe(no_mangle)]
-pub extern "C" fn fmi2SetFMUstate(instance: Handle, state: Handle) -> Status {
-    fmi3SetFMUState(instance, state)
-}
-
-/// Keeps a state no longer, as [`fmi3FreeFMUState`].
-///
-/// # Safety
-/// `state` is null or may be read and written.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2FreeFMUstate(instance: Handle, state: *mut Handle) -> Status {
-    // SAFETY: as this function requires.
-    unsafe { fmi3FreeFMUState(instance, state) }
 }
 
 /// Fills an array with the values of variables.
