@@ -15,6 +15,7 @@ const TOLD_TO_OTHERS: &[(&str, &str)] = &[
     ("tolerance_percent", "identify"),
     ("tolerance_pa", "identify"),
     ("encoder.offset_tolerance_mm", "identify"),
+    ("sensors.spool_offset_tolerance_mm", "identify"),
     ("operator.dither_adjustable", "tune"),
     ("sensors.home_switch_mm", "homing runs, which no test has"),
     ("encoder.polarity", "a board's wires"),
