@@ -15,6 +15,7 @@ use crate::assembly::build;
 use crate::assembly::linear::{LinearModel, NotLinear};
 use crate::assembly::{Assembly, Effects, Integration, StateVector, ValveState, scale_of, slot};
 use crate::component::faults::SensorFaults;
+use crate::component::load::Load;
 use crate::component::operator::Request;
 use crate::component::sensors::Sensors;
 use crate::component::sensors::calibration::Reading;
@@ -235,6 +236,12 @@ impl Plant {
         let set =
             |assembly: &mut Assembly, x: &mut StateVector| assembly.set_supply_pressure(at, x, pressure);
         self.integrator.interrupt(&mut self.assembly, at, set);
+    }
+
+    /// Changes the load from the present sample on: its mass and forces; the model of its friction stays.
+    pub fn set_load(&mut self, load: Load) {
+        let at = self.sample_time;
+        self.integrator.interrupt(&mut self.assembly, at, |assembly, x| assembly.set_load(x, load));
     }
 
     /// Changes the target of a continuous controller at the present sample, counts.

@@ -99,12 +99,17 @@ fn line(xml: &mut String, indent: usize, text: std::fmt::Arguments<'_>) {
     let _ = writeln!(xml, "{:indent$}{text}", "");
 }
 
-fn head(standard: Standard, part: Part, rig: &Rig, rig_text: &str) -> String {
-    let what = match part {
+/// What a part is, in a line.
+pub(crate) fn about(part: Part) -> &'static str {
+    match part {
         Part::Plant => "valve, tubes, cylinder, load and sensors: a command in, a sample out",
         Part::Controller => "the controller, bit for bit that of the firmware: a sample in, a command out",
         Part::Drive => "controller and plant, joined: a setpoint in",
-    };
+    }
+}
+
+fn head(standard: Standard, part: Part, rig: &Rig, rig_text: &str) -> String {
+    let what = about(part);
     let (name, token) = (escaped(rig.name()), part.token(rig_text));
     let (identifier, word) = (part.identifier(), part.word());
     let period_s = f64::from(rig.period_us().get()) / 1e6;
@@ -116,7 +121,9 @@ fn head(standard: Standard, part: Part, rig: &Rig, rig_text: &str) -> String {
         ),
         Standard::Fmi3 => (
             "instantiationToken",
-            format!("fixedInternalStepSize=\"{period_s:?}\"\n    canGetAndSetFMUState=\"true\""),
+            format!(
+                "canHandleVariableCommunicationStepSize=\"true\"\n    fixedInternalStepSize=\"{period_s:?}\"\n    canGetAndSetFMUState=\"true\""
+            ),
         ),
     };
     format!(
@@ -125,7 +132,7 @@ fn head(standard: Standard, part: Part, rig: &Rig, rig_text: &str) -> String {
   fmiVersion=\"{fmi_version}\"
   modelName=\"{name}, {word}\"
   {token_word}=\"{token}\"
-  description=\"Servo-pneumatic drive {name}, {what}. A step is a whole number of samples of {period_s:?} s.\"
+  description=\"Servo-pneumatic drive {name}, {what}. Its sample period is {period_s:?} s; between two samples it holds.\"
   generationTool=\"pneudrive {version}\"
   variableNamingConvention=\"structured\">
   <CoSimulation
@@ -207,7 +214,7 @@ fn structure(standard: Standard, xml: &mut String, variables: &[Variable]) {
 }
 
 /// A text in an attribute.
-fn escaped(text: &str) -> String {
+pub(crate) fn escaped(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for letter in text.chars() {
         match letter {

@@ -50,12 +50,23 @@ struct Now {
     /// Of each parameter that was set, by its reference.
     parameters: BTreeMap<u32, Value>,
     inputs: Vec<Value>,
-    model: Option<FmuModel>,
+    model: Option<Built>,
+    /// Parameters were set since the model was built, or tuned last.
+    untuned: bool,
     /// Of the model, once they were asked for.
     outputs: Option<Vec<Value>>,
     start_time: f64,
     /// Samples since then.
     k: u64,
+    /// Time since the present sample, s.
+    past: f64,
+}
+
+/// A model, and the rig that it was built for.
+#[derive(Clone, Debug)]
+struct Built {
+    model: FmuModel,
+    rig: Arc<Rig>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -168,13 +179,14 @@ impl Instance {
     /// The present time, s.
     #[must_use]
     pub fn time(&self) -> f64 {
-        self.now.start_time + self.now.k as f64 * self.fixed.period_s
+        self.now.start_time + self.now.k as f64 * self.fixed.period_s + self.now.past
     }
 
-    /// From `time` (s), which is the present one, on by `step` (s): a whole number of samples.
+    /// From `time` (s), which is the present one, on by `step` (s). The model takes the samples in between; where a step ends
+    /// between two samples, it stands at the last one.
     ///
     /// # Errors
-    /// When it is not, or the model fails.
+    /// When the step begins elsewhere or is none, and when the model fails.
     pub fn step(&mut self, time: f64, step: f64) -> Result<()> {
         self.require(&[Phase::Stepping], "stepped")?;
         let period_s = self.fixed.period_s;
@@ -184,15 +196,17 @@ impl Instance {
         if !is_present {
             bail!("the step begins at {time} s, but the FMU is at {} s", self.time());
         }
-        let samples = (step / period_s).round();
-        let fits = (1.0..=f64::from(u32::MAX)).contains(&samples)
-            && (step - samples * period_s).abs() <= 1e-6 * samples * period_s + lost;
-        if !fits {
-            bail!(
-                "a step of {step} s is no whole number of samples: the sample period is {period_s} s (controller.period_s)"
-            );
+        let samples = step / period_s;
+        if !(samples > 0.0 && samples <= f64::from(u32::MAX)) {
+            bail!("a step must last more than 0 s and at most {} samples, is {step} s", u32::MAX);
         }
-        self.now.run(samples as u64)
+        let ahead = time + step - (self.time() - self.now.past);
+        let nearly = (1e-6 * samples * period_s).min(1e-3 * period_s) + lost;
+        let samples = ((ahead + nearly) / period_s).floor();
+        let past = ahead - samples * period_s;
+        self.now.run(&self.fixed, samples as u64)?;
+        self.now.past = if past <= nearly { 0.0 } else { past };
+        Ok(())
     }
 
     /// The type of a variable; None for an unknown reference.
@@ -322,9 +336,11 @@ impl Now {
             parameters: BTreeMap::new(),
             inputs: starts.filter_map(|variable| variable.start).collect(),
             model: None,
+            untuned: false,
             outputs: None,
             start_time: 0.0,
             k: 0,
+            past: 0.0,
         }
     }
 
@@ -340,41 +356,56 @@ impl Now {
         }
         self.parameters.insert(variable.reference, value);
         self.outputs = None;
-        match (&mut self.model, value) {
-            (Some(model), Value::Float(pressure)) if self.phase == Phase::Stepping => {
-                model.set_supply_pressure(pressure);
-            }
-            _ => self.model = None,
+        self.untuned = self.phase == Phase::Stepping;
+        if !self.untuned {
+            self.model = None;
         }
     }
 
     /// The model of the parameters, built unless it is there.
     fn build(&mut self, fixed: &Fixed) -> Result<&mut FmuModel> {
-        let model = match self.model.take() {
-            Some(model) => model,
-            None => self.model_of(fixed)?,
+        let mut built = match self.model.take() {
+            Some(built) => built,
+            None => self.built(fixed)?,
         };
-        Ok(self.model.insert(model))
+        if std::mem::take(&mut self.untuned) {
+            let rig = self.tuned(fixed, &built.rig)?;
+            built.model.retune(&rig)?;
+        }
+        Ok(&mut self.model.insert(built).model)
     }
 
-    fn model_of(&self, fixed: &Fixed) -> Result<FmuModel> {
+    /// The settings of keys that have another value than in a rig.
+    fn settings(&self, fixed: &Fixed, rig: &Rig, which: impl Fn(&Variable) -> bool) -> Vec<String> {
+        let of = |variable: &Variable| match (variable.role, self.parameter(variable)?) {
+            (Role::Key(key), value) if rig.value(key.path).and_then(Value::of_key) != Some(value) => {
+                Some(key.setting(value))
+            }
+            _ => None,
+        };
+        fixed.variables.iter().filter(|variable| which(variable)).filter_map(of).collect()
+    }
+
+    fn built(&self, fixed: &Fixed) -> Result<Built> {
         let mut choices = Choices::default();
-        let mut settings = Vec::new();
-        for variable in fixed.variables.iter().filter(|variable| variable.is_parameter()) {
-            let value = self.parameter(variable);
-            match (variable.role, value) {
+        for variable in &fixed.variables {
+            match (variable.role, self.parameter(variable)) {
                 (Role::RunTest, Some(Value::Switch(on))) => choices.run_test = on,
                 (Role::Seed, Some(Value::Integer(seed))) => choices.seed = seed.unsigned_abs(),
-                (Role::Key(key), Some(value)) if Some(value) != variable.start => {
-                    settings.push(key.setting(value));
-                }
                 _ => {}
             }
         }
-        if settings.is_empty() {
-            return FmuModel::new(fixed.part, &fixed.rig, choices);
-        }
-        FmuModel::new(fixed.part, &fixed.rig.with_settings(&settings)?, choices)
+        let settings = self.settings(fixed, &fixed.rig, |_| true);
+        let rig = if settings.is_empty() { fixed.rig.clone() } else { fixed.rig.with_settings(&settings)? };
+        Ok(Built { model: FmuModel::new(fixed.part, &rig, choices)?, rig: Arc::new(rig) })
+    }
+
+    /// The rig that a model was built for, with the present tunable parameters: the controller knows its own of them alone.
+    fn tuned(&self, fixed: &Fixed, rig: &Rig) -> Result<Rig> {
+        let of_plant = self.settings(fixed, rig, Variable::is_of_running_plant);
+        let gains =
+            self.settings(fixed, rig, |variable| variable.is_tunable() && !variable.is_of_running_plant());
+        Ok(rig.with_settings(&gains)?.with_plant(&of_plant)?)
     }
 
     fn outputs(&mut self, fixed: &Fixed) -> Result<&[Value]> {
@@ -385,11 +416,13 @@ impl Now {
         Ok(self.outputs.insert(outputs))
     }
 
-    fn run(&mut self, samples: u64) -> Result<()> {
-        let model = self.model.as_mut().context("it was not initialised")?;
+    fn run(&mut self, fixed: &Fixed, samples: u64) -> Result<()> {
         self.outputs = None;
         for _ in 0..samples {
-            if let Err(error) = model.step(&self.inputs) {
+            let inputs = std::mem::take(&mut self.inputs);
+            let stepped = self.build(fixed).and_then(|model| model.step(&inputs));
+            self.inputs = inputs;
+            if let Err(error) = stepped {
                 self.phase = Phase::Failed;
                 return Err(error.context(format!("sample {}", self.k)));
             }

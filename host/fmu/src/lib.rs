@@ -9,7 +9,7 @@
 //! drive       setpoint at sample k -> both of them, joined as in `pneudrive simulate`
 //! ```
 //!
-//! A step is one sample, or a whole number of them. The controller goes first: `command = controller(sample)`, then
+//! A step passes the samples that lie in it; where it ends between two of them, the model stands at the last one. The controller goes first: `command = controller(sample)`, then
 //! `sample = plant(command)`; both take the step from k to k + 1. The plant has the command take effect
 //! `controller.delay_s` after the sample, so that the loop of the two repeats `pneudrive simulate` bit for bit.
 //!
@@ -22,6 +22,8 @@
 //! | [`variable`] | the variables of an FMU: names, numbers, units, whether they may be set |
 //! | [`instance`] | a model in the states of the standard: which calls are allowed when |
 //! | [`description`] | modelDescription.xml |
+//! | [`documentation`] | the page that explains them |
+//! | [`library`] | this crate as a library, of one system or another |
 //! | [`archive`] | the FMU as a file |
 //! | [`c_api`] | the functions of the standard, with unsafe code: pointers of a program in C |
 
@@ -30,7 +32,9 @@
 pub mod archive;
 pub mod c_api;
 pub mod description;
+pub mod documentation;
 pub mod instance;
+pub mod library;
 pub mod model;
 pub mod part;
 pub mod signal;
@@ -38,5 +42,6 @@ pub mod standard;
 pub mod variable;
 
 pub use instance::Instance;
+pub use library::Library;
 pub use part::Part;
 pub use standard::Standard;

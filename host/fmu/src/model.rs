@@ -76,13 +76,17 @@ impl FmuModel {
         }
     }
 
-    /// From the present sample on the supply has another pressure, Pa; no matter to a controller.
-    pub fn set_supply_pressure(&mut self, pressure: f64) {
+    /// From the present sample on it has the tunable values of another rig.
+    ///
+    /// # Errors
+    /// When the controller refuses its gains.
+    pub fn retune(&mut self, rig: &Rig) -> Result<()> {
         match &mut self.0 {
-            Which::Plant(plant) => plant.set_supply_pressure(pressure),
-            Which::Controller(_) => {}
-            Which::Drive(drive) => drive.set_supply_pressure(pressure),
+            Which::Plant(plant) => plant.retune(rig),
+            Which::Controller(controller) => return controller.retune(rig),
+            Which::Drive(drive) => return drive.retune(rig),
         }
+        Ok(())
     }
 }
 

@@ -37,6 +37,20 @@ pub enum Value {
     Switch(bool),
 }
 
+impl Value {
+    /// That of a key of a rig file; None of a text or a list.
+    #[must_use]
+    pub fn of_key(value: &pneudrive_sim::rig::Value) -> Option<Value> {
+        use pneudrive_sim::rig::Value as Of;
+        match value {
+            Of::Number(number) => Some(Value::Float(*number)),
+            Of::Integer(number) => Some(Value::Integer(*number)),
+            Of::Switch(on) => Some(Value::Switch(*on)),
+            _ => None,
+        }
+    }
+}
+
 impl std::fmt::Display for Value {
     /// In TOML and XML: a Float64 with enough digits to distinguish it from all others.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {

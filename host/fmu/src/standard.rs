@@ -2,6 +2,8 @@
 
 use anyhow::{Context, Result};
 
+use crate::library::Library;
+
 /// A version of the Functional Mock-up Interface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Standard {
@@ -25,12 +27,12 @@ impl Standard {
         }
     }
 
-    /// Its name of the system that this program is built for: the folder of the library in the archive.
+    /// Its name of the system of a library: the folder of the library in the archive.
     ///
     /// # Errors
     /// When it has none.
-    pub fn platform(self) -> Result<String> {
-        let (architecture, system) = (std::env::consts::ARCH, std::env::consts::OS);
+    pub fn platform(self, library: &Library) -> Result<String> {
+        let [architecture, system] = library.system;
         match self {
             Standard::Fmi2 => platform_of_2(architecture, system).map(str::to_owned).with_context(|| {
                 format!("FMI 2.0 has no name for {architecture}-{system}: write an FMU of 3.0 (--fmi 3.0)")
@@ -48,8 +50,6 @@ fn platform_of_2(architecture: &str, system: &str) -> Option<&'static str> {
         ("x86_64", "linux") => Some("linux64"),
         ("x86_64", "windows") => Some("win64"),
         ("x86_64", "macos") => Some("darwin64"),
-        ("x86", "linux") => Some("linux32"),
-        ("x86", "windows") => Some("win32"),
         _ => None,
     }
 }

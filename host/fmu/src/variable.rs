@@ -13,6 +13,7 @@
 
 use anyhow::{Result, bail};
 use pneudrive_sim::Rig;
+use pneudrive_sim::key::Typed;
 use pneudrive_sim::keys;
 use pneudrive_sim::rig::{Key, Kind as KeyKind, Value as KeyValue, all_keys, unit};
 
@@ -77,7 +78,13 @@ impl Variable {
     /// Whether it may be set while the simulation runs, though it is a parameter.
     #[must_use]
     pub fn is_tunable(&self) -> bool {
-        matches!(self.role, Role::Key(key) if key.path == keys::supply::PRESSURE_PA.path)
+        self.is_of_running_plant()
+            || matches!(self.role, Role::Key(key) if GAINS.iter().any(|one| one.path == key.path))
+    }
+
+    /// Whether it is one of the plant.
+    pub(crate) fn is_of_running_plant(&self) -> bool {
+        matches!(self.role, Role::Key(key) if OF_RUNNING_PLANT.iter().any(|one| one.path == key.path))
     }
 
     /// Whether it is a parameter.
@@ -176,6 +183,28 @@ fn own_parameters(part: Part) -> Vec<Variable> {
     let of_controller = part.has_controller().then_some(run_test);
     of_controller.into_iter().chain(part.has_plant().then_some(seed)).collect()
 }
+
+/// Keys of the plant that may change while it runs.
+pub(crate) const OF_RUNNING_PLANT: [&Typed<f64>; 9] = [
+    &keys::supply::PRESSURE_PA,
+    &keys::load::MASS_KG,
+    &keys::load::VISCOUS_N_S_PER_M,
+    &keys::load::CONSTANT_FORCE_N,
+    &keys::load::SPRING_N_PER_M,
+    &keys::friction::STATIC_EXTEND_N,
+    &keys::friction::COULOMB_EXTEND_N,
+    &keys::friction::STATIC_RETRACT_N,
+    &keys::friction::COULOMB_RETRACT_N,
+];
+
+/// Keys of the controller that may.
+const GAINS: [&Key; 5] = [
+    &keys::controller::PROPORTIONAL_GAIN.key,
+    &keys::controller::INTEGRAL_GAIN.key,
+    &keys::controller::VELOCITY_GAIN.key,
+    &keys::controller::ACCELERATION_GAIN.key,
+    &keys::controller::PRESSURE_FEEDBACK_GAIN.key,
+];
 
 /// Keys under `controller` and `test` that belong to the plant: when commands take effect, and the state at the start.
 const OF_PLANT: [&str; 7] = [

@@ -271,7 +271,7 @@ fn a_parameter_makes_the_rig_that_the_key_makes() {
 }
 
 #[test]
-fn the_supply_pressure_may_change_while_the_drive_runs_and_no_other_parameter() {
+fn the_supply_pressure_may_change_while_the_drive_runs_and_a_length_may_not() {
     let rig = rig("servo-b-tuned", &[]);
     let mut plant = Fmu::new(Part::Plant, &rig, &[]);
     plant.set("command_counts", Value::Integer(600)).expect("a command");
@@ -286,17 +286,132 @@ fn the_supply_pressure_may_change_while_the_drive_runs_and_no_other_parameter() 
         panic!("pressures")
     };
     assert!(lower < usual - 1e3, "{lower} after {usual}");
-    let refused = plant.set("load.mass_kg", Value::Float(2.0)).expect_err("fixed");
-    assert!(refused.to_string().contains("load.mass_kg is fixed"), "{refused}");
+    let refused = plant.set("actuator.bore_m", Value::Float(0.05)).expect_err("fixed");
+    assert!(refused.to_string().contains("actuator.bore_m is fixed"), "{refused}");
 }
 
 #[test]
-fn a_step_that_is_no_multiple_of_the_sample_is_refused_with_the_period() {
+fn a_load_that_changes_in_motion_obeys_the_second_law() {
     let rig = rig("servo-b-tuned", &[]);
     let mut plant = Fmu::new(Part::Plant, &rig, &[]);
-    for step in [0.0, -0.0013, 0.001, 0.0013 * 1.5, f64::NAN, f64::INFINITY, 1e300] {
-        let refused = plant.instance.step(0.0, step).expect_err("no whole number").to_string();
-        assert!(refused.contains("no whole number of samples") && refused.contains("0.0013 s"), "{refused}");
+    plant.set("command_counts", Value::Integer(600)).expect("a command");
+    plant.step(60.0 * period(&rig));
+    let float = |plant: &mut Fmu, name: &str| match plant.get(name) {
+        Value::Float(value) => value,
+        other => panic!("{name} is {other:?}"),
+    };
+    let (velocity, before) = (float(&mut plant, "velocity_m_s"), float(&mut plant, "acceleration_m_s2"));
+    assert!(velocity > 0.05, "it moves, {velocity} m/s");
+    let (mass, viscous) = (float(&mut plant, "load.mass_kg"), float(&mut plant, "load.viscous_n_s_per_m"));
+    plant.set("load.mass_kg", Value::Float(3.0 * mass)).expect("tunable");
+    let slower = float(&mut plant, "acceleration_m_s2");
+    // Small differences of large forces.
+    let alike = |one: f64, other: f64| (one / other - 1.0).abs() < 1e-9;
+    assert!(alike(3.0 * slower, before), "three times the mass: {slower} after {before}");
+    plant.set("load.constant_force_n", Value::Float(-40.0)).expect("tunable");
+    plant.set("load.viscous_n_s_per_m", Value::Float(2.0 * viscous)).expect("tunable");
+    let force = 3.0 * mass * float(&mut plant, "acceleration_m_s2");
+    let wanted = mass * before - 40.0 - viscous * velocity;
+    assert!(alike(force, wanted), "{force} N, not {wanted}");
+    plant.set("load.mass_kg", Value::Float(mass)).expect("tunable");
+    plant.set("load.constant_force_n", Value::Float(0.0)).expect("tunable");
+    plant.set("load.viscous_n_s_per_m", Value::Float(viscous)).expect("tunable");
+    assert!(alike(float(&mut plant, "acceleration_m_s2"), before), "as it was");
+}
+
+#[test]
+fn a_load_at_rest_breaks_away_as_soon_as_less_friction_holds_it() {
+    // 20 N pull at a load that 70 N of stiction hold.
+    let rig = rig("servo-b-tuned", &["load.constant_force_n=20.0"]);
+    let mut plant = Fmu::new(Part::Plant, &rig, &[]);
+    plant.step(10.0 * period(&rig));
+    let at = plant.get("position_m");
+    for (name, value) in [("load.coulomb_extend_n", 1.0), ("load.static_extend_n", 1.0)] {
+        plant.step(10.0 * period(&rig));
+        assert_eq!(plant.get("position_m"), at, "it is held");
+        plant.set(name, Value::Float(value)).expect("tunable");
+    }
+    plant.step(10.0 * period(&rig));
+    let (Value::Float(at), Value::Float(now)) = (at, plant.get("position_m")) else { panic!("positions") };
+    assert!(now > at + 1e-5, "from {at} to {now}");
+}
+
+#[test]
+fn friction_that_sticks_less_than_it_slides_fails_the_next_step_and_says_why() {
+    let mut plant = Fmu::new(Part::Plant, &rig("servo-b-tuned", &[]), &[]);
+    plant.set("load.static_extend_n", Value::Float(1.0)).expect("a friction in its range");
+    let refused = plant.instance.step(0.0, 0.0013).expect_err("less than the friction of motion");
+    assert!(format!("{refused:#}").contains("load.coulomb_extend_n"), "{refused:#}");
+}
+
+/// A controller that is apart from the plant cannot know that its load has changed.
+#[test]
+fn a_load_that_changes_is_unknown_to_the_controller_and_a_gain_is_not() {
+    for (name, of_plant, of_gain) in [
+        ("servo-b-tuned", ("load.mass_kg", 4.0), Some(("controller.velocity_gain", 500))),
+        ("press", ("load.mass_kg", 12.0), None),
+    ] {
+        let rig = rig(name, &[]);
+        let run_test = [("run_test", Value::Switch(true))];
+        let mut whole = Fmu::new(Part::Drive, &rig, &run_test);
+        let (mut controller, mut plant) =
+            (Fmu::new(Part::Controller, &rig, &run_test), Fmu::new(Part::Plant, &rig, &[]));
+        for k in 0..600 {
+            if k == 300 {
+                for fmu in [&mut whole, &mut plant] {
+                    fmu.set(of_plant.0, Value::Float(of_plant.1)).expect("tunable");
+                }
+            }
+            if let (400, Some((gain, value))) = (k, of_gain) {
+                for fmu in [&mut whole, &mut controller] {
+                    fmu.set(gain, Value::Integer(value)).expect("tunable");
+                }
+            }
+            for name in ["position_counts", "pressure_1_raw", "pressure_2_raw", "spool_raw"] {
+                let value = plant.get(name);
+                controller.set(name, value).expect("an input");
+            }
+            controller.step(period(&rig));
+            let command = controller.get("command_counts");
+            plant.set("command_counts", command).expect("an input");
+            plant.step(period(&rig));
+            whole.step(period(&rig));
+            assert_eq!(whole.get("command_counts"), command, "{name}, sample {k}");
+            assert_eq!(whole.get("position_m"), plant.get("position_m"), "{name}, sample {k}");
+        }
+    }
+}
+
+#[test]
+fn steps_of_any_length_pass_the_same_samples_and_hold_between_them() {
+    let rig = rig("servo-b-tuned", &["sensors.noise_counts=1.0"]);
+    let run_test = [("run_test", Value::Switch(true))];
+    let [mut whole, mut parts] = [0, 1].map(|_| Fmu::new(Part::Drive, &rig, &run_test));
+    let state = |fmu: &mut Fmu| (shown(fmu), fmu.get("position_m"), fmu.get("pressure_1_pa"));
+    let mut sample = 0;
+    // 0.7 of a sample, and 1.9 of one.
+    for step in [0.000_91, 0.002_47].into_iter().cycle().take(400) {
+        parts.step(step);
+        let reached = (parts.instance.time() / 0.0013 + 1e-6).floor() as u32;
+        while sample < reached {
+            whole.step(0.0013);
+            sample += 1;
+        }
+        if sample > 0 {
+            assert_eq!(state(&mut parts), state(&mut whole), "at {} s", parts.instance.time());
+        }
+    }
+    assert!((parts.instance.time() - 200.0 * 2.6 * 0.0013).abs() < 1e-9, "{} s", parts.instance.time());
+    assert_eq!(sample, 520);
+}
+
+#[test]
+fn what_is_no_step_is_refused() {
+    let rig = rig("servo-b-tuned", &[]);
+    let mut plant = Fmu::new(Part::Plant, &rig, &[]);
+    for step in [0.0, -0.0013, f64::NAN, f64::INFINITY, 1e300] {
+        let refused = plant.instance.step(0.0, step).expect_err("no step").to_string();
+        assert!(refused.contains("a step must last more than 0 s"), "{refused}");
     }
     for time in [0.0013, f64::NAN, -1.0] {
         let refused = plant.instance.step(time, 0.0013).expect_err("another time").to_string();

@@ -10,12 +10,12 @@ use super::RigChoice;
 #[derive(Debug, Args)]
 #[command(group(ArgGroup::new("part").required(true)))]
 #[command(after_help = "\
-A step of the FMU is one sample of the rig (controller.period_s), or a whole number of them. In a loop of plant and controller,
-step the controller first: from sample k it makes the command that the plant needs for its step from k to k + 1. Then both repeat
-`pneudrive simulate` in every integer.
+A step of the FMU may have any length; between two samples of the rig (controller.period_s) its outputs hold. In a loop of plant
+and controller, step both by one sample, the controller first: from sample k it makes the command that the plant needs for its
+step from k to k + 1. Then both repeat `pneudrive simulate` in every integer.
 
-Keys of the rig are parameters of the FMU, with their names: load.mass_kg. They are set before the simulation begins;
-supply.pressure_pa may also change while it runs.")]
+Keys of the rig are parameters of the FMU, with their names: load.mass_kg. They are set before the simulation begins; the supply
+pressure, the mass, the forces and the friction of the load, and gains may also change while it runs.")]
 pub struct Fmu {
     /// The rig.
     #[command(flatten)]
@@ -35,9 +35,10 @@ pub struct Fmu {
     /// The file to write [default: RIG-PART.fmu in the current folder]
     #[arg(short, long, value_name = "FILE")]
     pub out: Option<PathBuf>,
-    /// The library that goes into the FMU [default: the one that was built with this program]
+    /// The library that goes into the FMU; once for each system that it shall run on [default: the one that was built with
+    /// this program, for this system]
     #[arg(long, value_name = "FILE")]
-    pub library: Option<PathBuf>,
+    pub library: Vec<PathBuf>,
     /// Replace the file if there is one
     #[arg(long)]
     pub overwrite: bool,

@@ -1,12 +1,11 @@
 //! `pneudrive fmu`.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 use pneudrive_fmu::archive::{fmu, library_name, rig_file};
 use pneudrive_fmu::variable::{Role, Variable, variables};
-use pneudrive_fmu::{Part, Standard};
+use pneudrive_fmu::{Library, Part, Standard};
 use pneudrive_records::whole_file::{is_device, put};
 use serde_json::json;
 
@@ -14,9 +13,6 @@ use super::rig_source::rig_text;
 use crate::cli::Fmu;
 use crate::exit::Exit;
 use crate::json;
-
-/// A function that each FMU has: its name is in the library.
-const FUNCTION: &[u8] = b"fmi3InstantiateCoSimulation";
 
 pub(super) fn execute(arguments: &Fmu) -> Result<()> {
     let part = match (arguments.plant, arguments.controller) {
@@ -28,7 +24,6 @@ pub(super) fn execute(arguments: &Fmu) -> Result<()> {
         .into_iter()
         .find(|one| one.version() == arguments.fmi)
         .context("--fmi is 2.0 or 3.0")?;
-    let platform = standard.platform()?;
     let (source, text) = rig_text(&arguments.rig.rig)?;
     let (rig, text) = rig_file(&source, &text, &arguments.rig.settings)?;
     let path = arguments.out.clone().unwrap_or_else(|| beside(&arguments.rig.rig, part));
@@ -38,8 +33,13 @@ pub(super) fn execute(arguments: &Fmu) -> Result<()> {
             path.display()
         );
     }
-    let library = library(arguments.library.as_deref())?;
-    put(&path, &fmu(standard, part, &rig, &text, &library)?)?;
+    let libraries = match arguments.library.as_slice() {
+        [] => vec![Library::read(&built()?)?],
+        files => files.iter().map(|file| Library::read(file)).collect::<Result<_>>()?,
+    };
+    let platforms = libraries.iter().map(|library| standard.platform(library)).collect::<Result<Vec<_>>>()?;
+    let platform = platforms.join(", ");
+    put(&path, &fmu(standard, part, &rig, &text, &libraries)?)?;
     let all = variables(part, &rig);
     let count = |is: fn(&Variable) -> bool| all.iter().filter(|variable| is(variable)).count();
     let inputs = count(|variable| matches!(variable.role, Role::Input(_)));
@@ -66,23 +66,7 @@ fn beside(rig: &str, part: Part) -> PathBuf {
     PathBuf::from(format!("{name}-{}.fmu", part.word()))
 }
 
-/// The library of FMUs: the file that was named, or the one that cargo has made with this program.
-fn library(named: Option<&Path>) -> Result<Vec<u8>> {
-    let path = match named {
-        Some(path) => path.to_owned(),
-        None => built()?,
-    };
-    let library = fs::read(&path).with_context(|| format!("cannot read {}", path.display()))?;
-    if !library.windows(FUNCTION.len()).any(|window| window == FUNCTION) {
-        bail!(
-            "{} is not the library of FMUs: it has no {}",
-            path.display(),
-            String::from_utf8_lossy(FUNCTION)
-        );
-    }
-    Ok(library)
-}
-
+/// The library that cargo has made with this program.
 fn built() -> Result<PathBuf> {
     let name = library_name();
     let program = std::env::current_exe().context("where this program is")?;

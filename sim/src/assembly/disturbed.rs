@@ -1,7 +1,9 @@
-//! External disturbances of the plant: faults, and changes of the supply pressure.
+//! External disturbances of the plant: faults, and changes of the supply pressure and of the load.
 
 use super::layout::spool_state;
 use super::{Assembly, StateVector, slot};
+use crate::component::friction::{Contact, FrictionModel};
+use crate::component::load::Load;
 use pneudrive_solver::Derivative;
 
 impl Assembly {
@@ -30,6 +32,18 @@ impl Assembly {
         self.solved = None;
         self.parts.network.jump();
         self.find_port_directions(t, x);
+        Derivative::Discontinuous
+    }
+
+    /// Another load has the piston from `t` on, with the same kind of friction.
+    pub fn set_load(&mut self, x: &StateVector, load: Load) -> Derivative {
+        self.parts.load = load;
+        self.load_side = load.stops.side(x[slot::POSITION]);
+        if self.load_contact == Contact::Stuck && self.friction_guard(x) < 0.0 {
+            let applied = self.body(x).applied;
+            self.load_contact = load.friction.after(Contact::Stuck, applied);
+        }
+        self.solved = None;
         Derivative::Discontinuous
     }
 

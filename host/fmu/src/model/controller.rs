@@ -7,7 +7,8 @@
 use anyhow::{Result, anyhow};
 use pneudrive_controller::parameters::id;
 use pneudrive_controller::{
-    Command, Config, Fault, Mode, Move, Observation, Refusal, Sample, Sequence, State, output, sample,
+    Command, Config, Fault, Mode, Move, Observation, Parameters, Refusal, Sample, Sequence, State, output,
+    sample,
 };
 use pneudrive_sim::component::controller::Loop;
 use pneudrive_sim::known::Units;
@@ -117,15 +118,24 @@ const OUTPUTS: [Signal; 12] = [
     signal("learned_null_counts", Kind::Int32, "What it has learned of the valve's null in this run."),
 ];
 
+fn parameters_of(rig: &Rig, run_test: bool) -> Result<Parameters> {
+    let mut parameters = rig.parameters();
+    if !run_test {
+        // Setpoints come when they come: none waits for the one before, and none ends the run.
+        parameters.set(id::ON_ARRIVAL, 0).map_err(|_| anyhow!("on_arrival takes 0"))?;
+    }
+    Ok(parameters)
+}
+
+fn config_of(parameters: &Parameters) -> Result<Config> {
+    Config::new(parameters).map_err(|error| anyhow!(error.advice()))
+}
+
 impl Controller {
     /// Before sample 0.
     pub fn new(rig: &Rig, run_test: bool) -> Result<Controller> {
-        let mut parameters = rig.parameters();
-        if !run_test {
-            // Setpoints come when they come: none waits for the one before, and none ends the run.
-            parameters.set(id::ON_ARRIVAL, 0).map_err(|_| anyhow!("on_arrival takes 0"))?;
-        }
-        let config = Config::new(&parameters).map_err(|error| anyhow!(error.advice()))?;
+        let parameters = parameters_of(rig, run_test)?;
+        let config = config_of(&parameters)?;
         let mut state = State::default();
         state.locate(parameters.absolute_zero().unwrap_or(0));
         state.supervisor.arm().map_err(refused)?;
@@ -144,6 +154,12 @@ impl Controller {
             units,
             known,
         })
+    }
+
+    /// From the next sample on it has the gains of another rig.
+    pub fn retune(&mut self, rig: &Rig) -> Result<()> {
+        self.config = config_of(&parameters_of(rig, self.run_test)?)?;
+        Ok(())
     }
 
     /// Takes a sample, and returns the command for `controller.delay_s` later. Without moves of its own it follows

@@ -41,9 +41,10 @@ impl DriveModel {
         Ok(DriveModel { controller, plant: Plant::new(rig, choices.seed)?, pulse: pulse(rig) })
     }
 
-    /// From the present sample on the supply has another pressure, Pa.
-    pub fn set_supply_pressure(&mut self, pressure: f64) {
-        self.plant.set_supply_pressure(pressure);
+    /// From the present sample on it has the tunable values of another rig.
+    pub fn retune(&mut self, rig: &Rig) -> Result<()> {
+        self.plant.retune(rig);
+        self.controller.retune(rig)
     }
 
     /// To the next sample.

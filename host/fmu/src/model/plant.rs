@@ -2,12 +2,14 @@
 
 use anyhow::Result;
 use pneudrive_controller::{Command, Sample};
+use pneudrive_sim::component::load::Load;
 use pneudrive_sim::component::operator::OperatorKind;
 use pneudrive_sim::plant::Snapshot;
 use pneudrive_sim::{Accuracy, Rig, keys};
 
 use super::taken::integer;
 use crate::signal::{Kind, Signal, Value};
+use crate::variable::OF_RUNNING_PLANT;
 
 /// The plant at a sample.
 #[derive(Clone, Debug)]
@@ -17,6 +19,8 @@ pub struct Plant {
     /// Number of the sample.
     k: u64,
     sample: Sample,
+    /// [`tunable`], as they are now.
+    tuned: [f64; OF_RUNNING_PLANT.len()],
 }
 
 /// Its inputs, in their order.
@@ -72,12 +76,17 @@ pub const OUTPUTS: [Signal; 18] = [
     },
 ];
 
+/// The values that may change while it runs, the supply pressure first.
+fn tunable(rig: &Rig) -> [f64; OF_RUNNING_PLANT.len()] {
+    OF_RUNNING_PLANT.map(|key| rig.get(key))
+}
+
 impl Plant {
     /// In the initial state of the rig's test.
     pub fn new(rig: &Rig, seed: u64) -> Result<Plant> {
         let mut plant = pneudrive_sim::Plant::new(rig, Accuracy::of(rig), seed);
         let sample = plant.sample()?;
-        Ok(Plant { plant, period_us: rig.period_us().get().into(), k: 0, sample })
+        Ok(Plant { plant, period_us: rig.period_us().get().into(), k: 0, sample, tuned: tunable(rig) })
     }
 
     /// The readings of the sensors at the present sample.
@@ -92,9 +101,17 @@ impl Plant {
         Ok(())
     }
 
-    /// From the present sample on the supply has another pressure, Pa.
-    pub fn set_supply_pressure(&mut self, pressure: f64) {
-        self.plant.set_supply_pressure(pressure);
+    /// From the present sample on it has the supply pressure and the load of another rig.
+    pub fn retune(&mut self, rig: &Rig) {
+        let [pressure, load @ ..] = self.tuned;
+        self.tuned = tunable(rig);
+        let [new_pressure, new_load @ ..] = self.tuned;
+        if new_pressure != pressure {
+            self.plant.set_supply_pressure(new_pressure);
+        }
+        if new_load != load {
+            self.plant.set_load(Load::of(rig));
+        }
     }
 
     /// To the next sample with the command at its inputs.
