@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use anyhow::{Context, Result, bail};
-use pneudrive_build::cargo::{self, built, in_inner, root, run};
+use pneudrive_build::cargo::{self, built, in_inner, in_root, root, run};
 
 use crate::venv::Environment;
 
@@ -49,11 +49,22 @@ pub fn install() -> Result<()> {
     if wheels.exists() {
         fs::remove_dir_all(&wheels).with_context(|| wheels.display().to_string())?;
     }
+    carry_library()?;
     let mut maturin = Command::new(ENVIRONMENT.program("maturin")?);
     maturin.args(["build", "--locked", "--interpreter"]).arg(ENVIRONMENT.interpreter()?);
     maturin.arg("--out").arg(&wheels).current_dir(workspace()).env("CARGO_TARGET_DIR", built("")?);
     run(&mut maturin)?;
     ENVIRONMENT.pip(&["--force-reinstall", "--no-deps", &the_wheel(&wheels)?.to_string_lossy()])
+}
+
+/// Puts the library of FMUs into the package: `Rig.export_fmu` needs it.
+fn carry_library() -> Result<()> {
+    run(&mut in_root(&["build", "--locked", "--package", "pneudrive-fmu"]))?;
+    let name = format!("{}pneudrive_fmu{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
+    let (from, folder) = (built("debug")?.join(&name), workspace().join("python/pneudrive/library"));
+    fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
+    let to = folder.join(&name);
+    fs::copy(&from, &to).with_context(|| format!("{} to {}", from.display(), to.display())).map(drop)
 }
 
 fn the_wheel(folder: &Path) -> Result<PathBuf> {

@@ -20,8 +20,10 @@ use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
+use crate::errors::OrRaise;
 use crate::order::Order;
-use crate::rig::{Rig, RigOrSource};
+use crate::parameters::{self, Change};
+use crate::rig::RigOrSource;
 use crate::stream::{Live, Stream, is_streaming};
 use crate::target::{Target, name_of};
 use crate::{bench, progress, work};
@@ -262,6 +264,28 @@ impl Drive {
         })
     }
 
+    /// The parameters of its controller, by the names that keys of a rig file have. Values are set first: those of a rig,
+    /// or of a dict such as `{"safety.hold_s": 60}`. The drive must be disarmed for that; `save` keeps them over a reset.
+    #[pyo3(signature = (values=None, /, *, save=false))]
+    fn config<'py>(
+        &self,
+        py: Python<'py>,
+        values: Option<&Bound<'py, PyAny>>,
+        save: bool,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let change = values.map(Change::of).transpose()?;
+        let parameters = self.act(py, None, |client, _| {
+            if let Some(change) = &change {
+                change.carry_out(client)?;
+            }
+            if save {
+                client.save_parameters()?;
+            }
+            Ok(client.parameters()?.values)
+        })?;
+        parameters::to_python(py, &parameters)
+    }
+
     /// Homes the axis: it moves slowly to its stop or switch, which references the counts. The drive must be armed, and
     /// stays so. An absolute encoder needs no homing, and nothing moves. Ctrl-C stops the drive.
     fn home(&self, py: Python<'_>) -> PyResult<()> {
@@ -342,11 +366,9 @@ impl Drive {
     /// for `identify`. The drive is left as it was.
     fn run_identification_tests(&self, py: Python<'_>, rig: RigOrSource) -> PyResult<Vec<Py<Target>>> {
         let with_loop = |control_loop: Loop| {
-            let settings =
-                rig.0.settings.iter().cloned().chain([keys::controller::LOOP.setting(control_loop.word())]);
-            Rig::read(rig.0.source.clone(), settings.collect())
+            rig.0.rig.with_settings(&[keys::controller::LOOP.setting(control_loop.word())]).or_raise()
         };
-        let (closed, open) = (with_loop(Loop::Closed)?.rig, with_loop(Loop::Open)?.rig);
+        let (closed, open) = (with_loop(Loop::Closed)?, with_loop(Loop::Open)?);
         let files = self.act(py, None, |client, meter| bench::records(client, &closed, &open, meter))?;
         files.into_iter().map(|(name, file)| Target::of(py, name, file)).collect()
     }

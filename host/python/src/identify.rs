@@ -104,6 +104,7 @@ pub fn identify(
     method: Option<&str>,
 ) -> PyResult<Identification> {
     let rig = rig.0;
+    rig.file()?;
     let accuracy = rig.accuracy(tolerance, method)?;
     let (found, numbers) = work::run(py, None, |meter| {
         let parameters = match &fit {
@@ -170,9 +171,9 @@ impl Identification {
                 "{why}; despite_misfit=True gives the rig nevertheless"
             )));
         }
-        let (name, text) = &self.rig.source;
-        let text = report::fitted(text, &self.rig.settings, &self.found).or_raise()?;
-        Rig::read((name.clone(), text), Vec::new())
+        let (text, settings) = self.rig.file()?;
+        let text = report::fitted(text, settings, &self.found).or_raise()?;
+        Rig::read((self.rig.source.0.clone(), text), Vec::new())
     }
 
     /// What has to be known before the numbers are used, a sentence each.

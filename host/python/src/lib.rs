@@ -4,16 +4,20 @@
 
 mod bench;
 mod channels;
+mod characteristics;
 mod controller;
+mod design;
 mod drive;
 mod errors;
 mod evaluate;
+mod fmu;
 mod identify;
 mod linear;
 mod moves;
 mod notes;
 mod order;
 mod overlay;
+mod parameters;
 mod plant;
 mod points;
 mod progress;
@@ -38,7 +42,11 @@ mod _pneudrive {
     #[pymodule_export]
     use super::channels::Channels;
     #[pymodule_export]
+    use super::characteristics::{Characteristic, Curve, CurveFigure};
+    #[pymodule_export]
     use super::controller::{Command, Controller, Sample};
+    #[pymodule_export]
+    use super::design::questions;
     #[pymodule_export]
     use super::drive::Drive;
     #[pymodule_export]

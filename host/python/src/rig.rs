@@ -2,11 +2,10 @@
 
 use std::path::PathBuf;
 
-use anyhow::Result;
 use pneudrive_records::rig_source::rig_text;
 use pneudrive_records::rig_text::with_settings;
 use pneudrive_records::whole_file::put;
-use pneudrive_sim::rig::{Kind, Preset, Problems, all_keys, find_key};
+use pneudrive_sim::rig::{Kind, Preset, Problems, all_keys, find_key, key_of};
 use pneudrive_sim::rigfile::value_of_setting;
 use pneudrive_sim::{Accuracy, Method};
 use pyo3::exceptions::{PyKeyError, PyTypeError, PyValueError};
@@ -30,6 +29,8 @@ pub struct Rig {
     pub source: (String, String),
     /// What was set beside it, as `key=value`.
     pub settings: Vec<String>,
+    /// What its plant has otherwise, as `key=value`: its controller does not know it.
+    plant: Vec<String>,
     /// Their values.
     pub rig: pneudrive_sim::Rig,
 }
@@ -40,22 +41,37 @@ impl Rig {
     /// # Errors
     /// `RigError` with every problem.
     pub fn read(source: (String, String), settings: Vec<String>) -> PyResult<Rig> {
-        let read = work::at_once(|| Ok(pneudrive_sim::Rig::read_with(&source.0, &source.1, &settings)))?;
+        Rig::made(source, settings, Vec::new())
+    }
+
+    /// The same, with another plant than its controller knows.
+    fn made(source: (String, String), settings: Vec<String>, plant: Vec<String>) -> PyResult<Rig> {
+        let read = work::at_once(|| {
+            let known = pneudrive_sim::Rig::read_with(&source.0, &source.1, &settings);
+            Ok(known.and_then(|rig| if plant.is_empty() { Ok(rig) } else { rig.with_plant(&plant) }))
+        })?;
         let rig = read.map_err(|problems| of_problems(&renamed(problems)))?;
-        Ok(Rig { source, settings, rig })
+        Ok(Rig { source, settings, plant, rig })
     }
 
-    /// The same file with these values set, too.
-    pub fn with_values(&self, values: &pneudrive_sim::Rig) -> PyResult<Rig> {
-        let changed = values.entries().filter(|(key, value)| self.rig.value(key.path) != Some(*value));
-        let changed = changed.map(|(key, value)| format!("{}={value}", key.path));
-        Rig::read(self.source.clone(), self.settings.iter().cloned().chain(changed).collect())
-    }
-
-    /// Whether all keys have the values of another rig.
+    /// Whether all keys have the values of another rig, and its controller knows as much of them.
     pub fn is_like(&self, other: &Rig) -> bool {
         let of = |rig| pneudrive_sim::Rig::entries(rig).map(|(key, value)| (key.path, value));
-        of(&self.rig).eq(of(&other.rig))
+        self.plant == other.plant && of(&self.rig).eq(of(&other.rig))
+    }
+
+    /// The text of its file, and what was set beside it.
+    ///
+    /// # Errors
+    /// `ValueError` when the plant differs from what its controller knows: a file says both at once.
+    pub fn file(&self) -> PyResult<(&str, &[String])> {
+        if self.plant.is_empty() {
+            return Ok((&self.source.1, &self.settings));
+        }
+        Err(PyValueError::new_err(
+            "the plant of this rig differs from what its controller knows, which no rig file can say; \
+             rig.nominal is the rig that the controller knows, rig.to_dict() has the values of the plant",
+        ))
     }
 
     /// How exactly its run is integrated: as it needs, or as is asked for.
@@ -88,9 +104,10 @@ impl Rig {
     /// The rig file, with what was set in it.
     ///
     /// # Errors
-    /// When the text is no TOML.
-    pub fn text(&self) -> Result<String> {
-        with_settings(&self.source.1, &self.settings, "set in Python")
+    /// When the text is no TOML, or [`Rig::file`] has none.
+    pub fn text(&self) -> PyResult<String> {
+        let (text, settings) = self.file()?;
+        with_settings(text, settings, "set in Python").or_raise()
     }
 }
 
@@ -145,6 +162,23 @@ pub fn settings_of(values: &Bound<'_, PyMapping>) -> PyResult<Vec<String>> {
     Ok(settings)
 }
 
+/// Values of a mapping and of keywords, as `key=value`.
+fn given(values: Option<&Bound<'_, PyMapping>>, keys: Option<&Bound<'_, PyDict>>) -> PyResult<Vec<String>> {
+    let mut settings = values.map_or(Ok(Vec::new()), settings_of)?;
+    for (name, value) in keys.into_iter().flatten() {
+        let path = name.extract::<String>()?.replacen("__", ".", 1);
+        settings.push(values::setting(&path, &value)?);
+    }
+    Ok(settings)
+}
+
+/// The settings whose keys others do not set anew.
+fn without(settings: &[String], others: &[String]) -> Vec<String> {
+    let key = |setting: &String| key_of(setting.split('=').next().unwrap_or_default()).map(|key| key.path);
+    let anew: Vec<_> = others.iter().map(key).collect();
+    settings.iter().filter(|setting| !anew.contains(&key(setting))).cloned().collect()
+}
+
 #[pymethods]
 impl Rig {
     #[new]
@@ -167,13 +201,28 @@ impl Rig {
         values: Option<&Bound<'_, PyMapping>>,
         keys: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Rig> {
-        let mut settings = self.settings.clone();
-        settings.extend(values.map_or(Ok(Vec::new()), settings_of)?);
-        for (name, value) in keys.into_iter().flatten() {
-            let path = name.extract::<String>()?.replacen("__", ".", 1);
-            settings.push(values::setting(&path, &value)?);
-        }
-        Rig::read(self.source.clone(), settings)
+        let set = given(values, keys)?;
+        // What is set, the controller knows.
+        let plant = without(&self.plant, &set);
+        Rig::made(self.source.clone(), [self.settings.clone(), set].concat(), plant)
+    }
+
+    /// This rig with a plant that has other values, which its controller does not know: it was made for those of this rig.
+    #[pyo3(signature = (values=None, /, **keys))]
+    fn with_plant(
+        &self,
+        values: Option<&Bound<'_, PyMapping>>,
+        keys: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<Rig> {
+        let set = given(values, keys)?;
+        let plant = [without(&self.plant, &set), set].concat();
+        Rig::made(self.source.clone(), self.settings.clone(), plant)
+    }
+
+    /// The rig that its controller knows.
+    #[getter]
+    fn nominal(&self) -> PyResult<Rig> {
+        Rig::read(self.source.clone(), self.settings.clone())
     }
 
     /// What the rig is called.
@@ -218,22 +267,26 @@ impl Rig {
         Ok((origin.source.word(), origin.range.map(|[low, high]| (low, high)), origin.from))
     }
 
-    /// A rig whose physical values are drawn within a fraction of this one's, as a real rig's are.
+    /// A rig whose plant has physical values drawn within a fraction of this one's, as a real drive has. Its controller
+    /// knows those of this rig.
     #[pyo3(signature = (fraction, /, *, seed))]
     fn spread(&self, fraction: f64, seed: u64) -> PyResult<Rig> {
         let drawn =
             self.rig.spread(fraction, seed).map_err(|error| PneudriveError::new_err(error.to_string()))?;
-        self.with_values(&drawn)
+        let differ = drawn.entries().filter(|(key, value)| self.rig.value(key.path) != Some(*value));
+        let drawn: Vec<String> = differ.map(|(key, value)| key.setting(value)).collect();
+        let plant = [without(&self.plant, &drawn), drawn].concat();
+        Rig::made(self.source.clone(), self.settings.clone(), plant)
     }
 
     /// The rig file.
     fn to_toml(&self) -> PyResult<String> {
-        self.text().or_raise()
+        self.text()
     }
 
     /// Writes the rig file.
     fn save(&self, path: PathBuf) -> PyResult<()> {
-        self.text().and_then(|text| put(&path, &text)).or_raise()
+        put(&path, &self.text()?).or_raise()
     }
 
     fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
@@ -241,20 +294,24 @@ impl Rig {
     }
 
     fn __repr__(&self) -> String {
-        let settings = self.settings.join(", ");
-        format!("<Rig {}{}{settings}>", self.rig.name(), if settings.is_empty() { "" } else { ": " })
+        let plant = match self.plant.len() {
+            0 => None,
+            values => Some(format!("{values} values of its own plant")),
+        };
+        let said = self.settings.iter().cloned().chain(plant).collect::<Vec<_>>().join(", ");
+        format!("<Rig {}{}{said}>", self.rig.name(), if said.is_empty() { "" } else { ": " })
     }
 
     /// For pickle, and so for other processes.
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
         let make = py.get_type::<Rig>().getattr("_read")?;
         let (name, text) = &self.source;
-        Ok((make, (name, text, &self.settings).into_pyobject(py)?))
+        Ok((make, (name, text, &self.settings, &self.plant).into_pyobject(py)?))
     }
 
     #[staticmethod]
-    fn _read(name: String, text: String, settings: Vec<String>) -> PyResult<Rig> {
-        Rig::read((name, text), settings)
+    fn _read(name: String, text: String, settings: Vec<String>, plant: Vec<String>) -> PyResult<Rig> {
+        Rig::made((name, text), settings, plant)
     }
 }
 

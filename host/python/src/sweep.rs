@@ -11,7 +11,7 @@ use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyMapping};
 
-use crate::errors::{OrRaise, of_problems};
+use crate::errors::of_problems;
 use crate::points::{SentPoints, run_points};
 use crate::rig::{Rig, RigOrSource, VALUES};
 use crate::swept::SweepResult;
@@ -83,7 +83,7 @@ fn read_file(path: &Path) -> Result<Sweep> {
 
 /// The sweep of a rig and what varies.
 fn of_rig(rig: &Rig, parts: &Parts<'_>) -> PyResult<Sweep> {
-    let source = Source { name: rig.source.0.clone(), text: rig.text().or_raise()? };
+    let source = Source { name: rig.source.0.clone(), text: rig.text()? };
     let text = parts.text(&source.name)?;
     let sweep = Sweep::read(Source { name: VALUES.to_owned(), text }, |_| Ok(source.clone()));
     sweep.map_err(|mut problems| {

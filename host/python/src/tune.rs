@@ -121,12 +121,13 @@ const ABOVE_0: f64 = f64::MIN_POSITIVE;
 
 fn task(rig: &Rig, fixed: Vec<String>, numbers: &Numbers<'_, '_>) -> PyResult<Task> {
     numbers.check()?;
+    let (text, settings) = rig.file()?;
     let [population, generations] = Budget::usual(&rig.rig);
     let size = |name: &str, usual: f64| numbers.number(name, usual, [ABOVE_0, f64::MAX]);
     let share = |name: &str, usual: f64| numbers.number(name, usual, [0.0, 0.9]);
     Ok(Task {
-        source: rig.source.clone(),
-        settings: rig.settings.clone(),
+        source: (rig.source.0.clone(), text.to_owned()),
+        settings: settings.to_vec(),
         fixed,
         goal: Goal {
             step_mm: size("step_mm", 60.0)?,

@@ -9,7 +9,10 @@ STUB = Path(__file__).parents[1] / "python" / "pneudrive" / "tables.pyi"
 
 HEAD = '''"""The tables of a rig file as classes. Written by tests/stubs.py from the list of keys."""
 
-from typing import Any
+from collections.abc import Mapping, Sequence
+from typing import Any, TypedDict, type_check_only
+
+from numpy.typing import NDArray
 
 from ._pneudrive import Rig
 
@@ -32,7 +35,35 @@ def text() -> str:
         if table:
             tables.setdefault(table, []).append(_property(name, key))
     classes = (f"\nclass {class_name(table)}(Table):\n" + "".join(keys) for table, keys in tables.items())
-    return HEAD + "".join(classes)
+    return HEAD + "".join(classes) + _keywords()
+
+
+def _keywords() -> str:
+    """What `Rig` and `Rig.new` take as keywords."""
+    paths = {key["path"]: _given(key["type"]) for key in pneudrive.keys()}
+    # A number without its unit in the name has it in the text: load__mass="8 kg".
+    for key in pneudrive.keys():
+        if key["unit"] and key["type"].startswith("float"):
+            stem = key["path"][: _stem(key["path"], key["unit"])]
+            paths.setdefault(stem, "str")
+    keys = (f"    {path.replace('.', '__', 1)}: {kind}\n" for path, kind in paths.items())
+    head = '\n@type_check_only\nclass RigKeys(TypedDict, total=False):\n    """Keys of a rig file, as keywords."""\n\n'
+    answers = (f"    {question['name']}: str | float\n" for question in pneudrive.questions())
+    asked = '\n@type_check_only\nclass Answers(TypedDict, total=False):\n    """Figures of data sheets."""\n\n'
+    return head + "".join(keys) + asked + "".join(answers)
+
+
+def _given(kind: str) -> str:
+    """The type that a key takes, by the type that it has."""
+    kind = kind.removesuffix(" | None").replace("list[tuple[float, int]]", "list[list[float]]")
+    wide = kind.replace("list[", "Sequence[").replace("dict[", "Mapping[")
+    return wide if wide == kind or "Mapping" in wide else f"{wide} | NDArray[Any]"
+
+
+def _stem(path: str, unit: str) -> int:
+    """Where the unit begins in the name of a key."""
+    ending = "_" + unit.replace("/", "_per_").replace(" ", "_").lower()
+    return len(path) - len(ending) if path.endswith(ending) else len(path)
 
 
 def _property(name: str, key: dict[str, str]) -> str:

@@ -125,6 +125,27 @@ def test_gains_are_downloaded_when_asked_for(port: str, rig: Rig) -> None:
     assert np.array_equal(record["command_counts"], expected["command_counts"][: len(record["command_counts"])])
 
 
+def test_parameters_are_read_and_set_by_the_names_of_keys(port: str, rig: Rig) -> None:
+    with Drive(port) as drive:
+        held = drive.config()
+        assert held["controller.velocity_gain"] == rig.controller.velocity_gain
+        assert held["controller.law"] == "gain-profile"
+        profile = held["controller.gain_profile"]
+        assert isinstance(profile, list)
+        given = rig.controller.gain_profile
+        assert profile[: len(given)] == given
+        assert set(profile[len(given) :]) == {given[-1]}, "the rest is as the last one"
+        changed = drive.config({"controller.velocity_gain": 900, "safety.hold_s": 30}, save=True)
+        assert {name for name, value in changed.items() if value != held[name]} == {"controller.velocity_gain", "safety.hold_s"}
+        assert drive.config(rig)["controller.velocity_gain"] == rig.controller.velocity_gain
+        for values, says in (({"load.mass_kg": 2}, "there is no parameter load.mass_kg"), ({"safety.hold_s": -1}, "safety.hold_s")):
+            with pytest.raises(pneudrive.PneudriveError, match=says):
+                drive.config(values)
+        drive.arm()
+        with pytest.raises(pneudrive.Refused, match="disarm"):
+            drive.config({"controller.velocity_gain": 900})
+
+
 def test_a_stream_has_every_sample_of_the_run(port: str, rig: Rig, tmp_path: Path) -> None:
     with Drive(port) as drive:
         streamed = drive.stream(rig, tmp_path / "stream.txt")

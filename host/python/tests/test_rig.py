@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import pneudrive
-from pneudrive import Rig, RigError
+from pneudrive import Controller, Rig, RigError, Sample
 
 
 def test_a_rig_from_a_name_a_file_and_a_dict_is_the_same(tmp_path: Path) -> None:
@@ -75,7 +75,7 @@ def test_a_wrong_value_is_refused_with_its_key(rig: Rig, values: dict[str, objec
 @pytest.mark.parametrize("value", [None, object(), 1j, {1, 2}, b"2"])
 def test_a_value_of_another_type_is_refused_with_its_key(rig: Rig, value: object) -> None:
     with pytest.raises(TypeError, match="load.mass_kg: a rig file has numbers, texts, switches and lists"):
-        rig.with_(load__mass_kg=value)
+        rig.with_(load__mass_kg=value)  # type: ignore[arg-type]
 
 
 def test_every_problem_of_a_file_is_named_with_its_line(tmp_path: Path) -> None:
@@ -117,6 +117,50 @@ def test_a_spread_rig_is_drawn_within_the_fraction(rig: Rig) -> None:
     assert drawn == rig.spread(0.1, seed=3) != rig.spread(0.1, seed=4)
     assert 1.6 * 0.9 <= drawn.load.mass_kg <= 1.6 * 1.1
     assert drawn.load.mass_kg != 1.6
+
+
+def test_a_spread_changes_the_plant_and_not_what_the_controller_knows() -> None:
+    press = Rig("press")
+    readings = [Sample(2000 + 3 * k, 1500 + 7 * k, 1400 - 5 * k) for k in range(60)]
+
+    def commands(rig: Rig) -> list[int]:
+        controller = Controller(rig)
+        return [controller.step(reading).counts for reading in readings]
+
+    for seed in range(50):
+        drawn = press.spread(0.1, seed=seed)
+        assert drawn.load.mass_kg != press.load.mass_kg
+        assert drawn.nominal == press
+        assert commands(drawn) == commands(press)
+    assert commands(press.with_(load__mass_kg=2 * press.load.mass_kg)) != commands(press), "it knows its mass"
+
+
+def test_a_plant_of_its_own_outlives_pickling_and_other_settings(rig: Rig) -> None:
+    drawn = rig.spread(0.1, seed=3)
+    copy = pickle.loads(pickle.dumps(drawn))
+    assert copy == drawn and copy.nominal == rig
+    heavier = drawn.with_plant(load__mass_kg=3)
+    assert heavier.load.mass_kg == 3 and heavier.load.viscous_n_s_per_m == drawn.load.viscous_n_s_per_m
+    assert heavier.nominal == rig
+    told = heavier.with_({"load.mass": "4 kg"})
+    assert told.load.mass_kg == 4 and told.load.viscous_n_s_per_m == drawn.load.viscous_n_s_per_m
+    assert told.nominal == rig.with_(load__mass_kg=4), "what is set, the controller knows"
+    assert "values of its own plant" in repr(told)
+
+
+def test_a_plant_of_its_own_has_no_file(rig: Rig, tmp_path: Path) -> None:
+    drawn = rig.spread(0.1, seed=3)
+    for refused in (
+        drawn.to_toml,
+        lambda: drawn.save(tmp_path / "drawn.toml"),
+        lambda: drawn.export_fmu(tmp_path / "drawn.fmu"),
+        lambda: pneudrive.tune(drawn, generations=0, draws=1),
+        lambda: pneudrive.sweep(drawn, vary={"load.mass_kg": [1, 2]}, metrics={}),
+        lambda: pneudrive.identify(drawn, []),
+    ):
+        with pytest.raises(ValueError, match=r"rig\.nominal is the rig that the controller knows"):
+            refused()
+    assert not list(tmp_path.iterdir())
 
 
 def test_where_a_value_comes_from_is_told() -> None:

@@ -10,9 +10,12 @@ from __future__ import annotations
 from . import errors, tables
 from ._pneudrive import (
     Channels,
+    Characteristic,
     Command,
     Controller,
     Converged,
+    Curve,
+    CurveFigure,
     Deviation,
     Drive,
     Estimate,
@@ -43,6 +46,7 @@ from ._pneudrive import (
     identify,
     keys,
     overlay,
+    questions,
     sweep,
     tune,
 )
@@ -63,9 +67,12 @@ from .errors import (
 
 __all__ = [
     "Channels",
+    "Characteristic",
     "Command",
     "Controller",
     "Converged",
+    "Curve",
+    "CurveFigure",
     "Deviation",
     "Drive",
     "Estimate",
@@ -109,6 +116,7 @@ __all__ = [
     "identify",
     "keys",
     "overlay",
+    "questions",
     "sweep",
     "tables",
     "tune",

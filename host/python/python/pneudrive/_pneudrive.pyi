@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from os import PathLike
 from types import TracebackType
-from typing import Any, Literal, Self, SupportsIndex, TypeAlias, final, overload
+from typing import Any, Literal, Self, SupportsIndex, TypeAlias, TypedDict, Unpack, final, overload, type_check_only
 
 import numpy as np
 import pandas as pd
@@ -22,12 +22,32 @@ _Progress: TypeAlias = Callable[[int, int], object] | bool | None
 _RigLike: TypeAlias = Rig | _Path | Mapping[str, Any]
 _TransientLike: TypeAlias = Run | Target | Transient | _Path
 _Method: TypeAlias = Literal["dormand-prince", "merson"]
+_Curve: TypeAlias = Literal[
+    "nominal-flow",
+    "flow-gain",
+    "pressure-gain",
+    "flow-function",
+    "valve-models",
+    "hysteresis",
+    "dither",
+    "pressure-drop",
+    "frequency-response",
+    "land-area",
+    "flow-force",
+    "friction",
+    "leakage",
+    "drift",
+    "timer",
+]
 
 __all__ = [
     "Channels",
+    "Characteristic",
     "Command",
     "Controller",
     "Converged",
+    "Curve",
+    "CurveFigure",
     "Deviation",
     "Drive",
     "Estimate",
@@ -60,11 +80,44 @@ __all__ = [
     "identify",
     "keys",
     "overlay",
+    "questions",
     "sweep",
     "tune",
 ]
 
 __version__: str
+
+@type_check_only
+class _SweepParts(TypedDict, total=False):
+    """What varies in a sweep, and what is collected."""
+
+    vary: Mapping[str, Any] | None
+    draw: Mapping[str, Any] | None
+    metrics: Mapping[str, Any] | None
+    objective: Mapping[str, Any] | None
+    constraints: Mapping[str, Any] | None
+    ensemble: int | None
+    settled_mm: float | None
+    tolerance: float | None
+
+@type_check_only
+class _TuneSizes(TypedDict, total=False):
+    """The step that gains are looked for, over what it is to hold, and how long to look."""
+
+    step_mm: float
+    tolerance_mm: float
+    overshoot_percent: float
+    time_s: float
+    load: float
+    friction: float
+    supply: float
+    valve: float
+    lowest_mm: float
+    highest_mm: float
+    draws: int
+    population: int
+    generations: int
+    seed: int
 
 @disjoint_base
 class Channels:
@@ -85,7 +138,9 @@ class Channels:
 class Rig:
     """One drive and one test, valid."""
 
-    def __new__(cls, what: _RigLike, /, **keys: Any) -> Self: ...
+    def __new__(cls, what: _RigLike, /, **keys: Unpack[tables.RigKeys]) -> Self: ...
+    @staticmethod
+    def new(name: str, /, **answers: Unpack[tables.Answers]) -> Rig: ...
     @property
     def gas(self) -> tables.Gas: ...
     @property
@@ -118,12 +173,26 @@ class Rig:
     def name(self) -> str: ...
     @property
     def unused(self) -> list[str]: ...
-    def with_(self, values: Mapping[str, Any] | None = None, /, **keys: Any) -> Rig: ...
+    @property
+    def nominal(self) -> Rig: ...
+    def with_(self, values: Mapping[str, Any] | None = None, /, **keys: Unpack[tables.RigKeys]) -> Rig: ...
+    def with_plant(self, values: Mapping[str, Any] | None = None, /, **keys: Unpack[tables.RigKeys]) -> Rig: ...
+    def characterise(self, curve: _Curve, /) -> Characteristic: ...
+    def export_fmu(
+        self,
+        path: _Path,
+        /,
+        *,
+        part: Literal["drive", "plant", "controller"] = "drive",
+        fmi: Literal["3.0", "2.0"] = "3.0",
+        library: _Path | None = None,
+        overwrite: bool = False,
+    ) -> None: ...
     def __getitem__(self, path: str, /) -> Any: ...
     def __contains__(self, path: str, /) -> bool: ...
     def __eq__(self, other: object, /) -> bool: ...
     def __ne__(self, other: object, /) -> bool: ...
-    def __reduce__(self) -> tuple[Any, tuple[str, str, list[str]]]: ...
+    def __reduce__(self) -> tuple[Any, tuple[str, str, list[str], list[str]]]: ...
     def to_dict(self) -> dict[str, Any]: ...
     def origin(self, path: str) -> tuple[str, tuple[float, float] | None, str]: ...
     def spread(self, fraction: float, /, *, seed: int) -> Rig: ...
@@ -140,7 +209,7 @@ class Rig:
     def to_toml(self) -> str: ...
     def save(self, path: _Path) -> None: ...
     @staticmethod
-    def _read(name: str, text: str, settings: list[str]) -> Rig: ...
+    def _read(name: str, text: str, settings: list[str], plant: list[str]) -> Rig: ...
 
 @final
 class Converged:
@@ -239,6 +308,50 @@ class Figure:
     @property
     def runs(self) -> int: ...
     def __float__(self, /) -> float: ...
+
+@final
+class Characteristic:
+    """A bench test of a component: curves over one axis, and figures read off them."""
+
+    @property
+    def about(self) -> str: ...
+    @property
+    def notes(self) -> list[str]: ...
+    @property
+    def across(self) -> str: ...
+    @property
+    def logarithmic(self) -> bool: ...
+    @property
+    def curves(self) -> list[Curve]: ...
+    @property
+    def figures(self) -> list[CurveFigure]: ...
+    def plot(self) -> Drawing: ...
+
+@final
+class Curve:
+    """A curve of a bench test."""
+
+    @property
+    def graph(self) -> str: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def x(self) -> NDArray[np.float64]: ...
+    @property
+    def y(self) -> NDArray[np.float64]: ...
+
+@final
+class CurveFigure:
+    """A figure that was read off curves."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def value(self) -> float | None: ...
+    @property
+    def within(self) -> float | None: ...
+    @property
+    def unit(self) -> str: ...
 
 @final
 class Move:
@@ -538,6 +651,9 @@ class Drive:
     def disarm(self) -> None: ...
     def stop(self) -> None: ...
     def reference(self, *, counts: int | None = None, mm: float | None = None) -> None: ...
+    def config(
+        self, values: _RigLike | None = None, /, *, save: bool = False
+    ) -> dict[str, float | str | list[float | str]]: ...
     def home(self) -> None: ...
     def go_to(self, rig: _RigLike, mm: float, /) -> float: ...
     def jog(self, rig: _RigLike, mm: float, /) -> float: ...
@@ -649,6 +765,7 @@ def advance(
 def builtin_rigs() -> list[str]: ...
 def explain(name: str = "", /) -> str: ...
 def keys() -> list[dict[str, str]]: ...
+def questions() -> list[dict[str, str]]: ...
 def evaluate(
     transient: _TransientLike,
     /,
@@ -680,7 +797,7 @@ def sweep(
     threads: int | None = None,
     client: Client | None = None,
     progress: _Progress = None,
-    **parts: Any,
+    **parts: Unpack[_SweepParts],
 ) -> SweepResult: ...
 def tune(
     rig: _RigLike,
@@ -689,6 +806,6 @@ def tune(
     fix: Sequence[str] | Mapping[str, Any] | None = None,
     threads: int | None = None,
     progress: _Progress = None,
-    **numbers: float,
+    **numbers: Unpack[_TuneSizes],
 ) -> Tuned: ...
 def _panic() -> None: ...

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from .frames import _needs
 
 if TYPE_CHECKING:
-    from ._pneudrive import Channels, Run, Transient
+    from ._pneudrive import Channels, Characteristic, Run, Transient
 
 # The axes of a graph: their label, and the channels on them.
 PANELS = {
@@ -58,6 +58,26 @@ def transients(transients: Sequence[Transient], channels: Sequence[str] | None =
         axes.legend(loc="best", fontsize="small")
         axes.grid(alpha=0.3)
     grid[-1, 0].set_xlabel("time, s")
+    return figure
+
+
+def characteristic(found: Characteristic) -> Any:
+    """Draws the curves of a bench test, a graph for each axis; returns a matplotlib figure."""
+    graphs = list(dict.fromkeys(curve.graph for curve in found.curves))
+    pyplot = _needs("matplotlib.pyplot", "plot")
+    figure, grid = pyplot.subplots(
+        len(graphs), sharex=True, squeeze=False, layout="constrained", figsize=(8, 1 + 2 * len(graphs))
+    )
+    for axes, graph in zip(grid[:, 0], graphs, strict=True):
+        for curve in found.curves:
+            if curve.graph == graph:
+                axes.plot(curve.x, curve.y, label=curve.name, linewidth=1)
+        axes.set_ylabel(graph)
+        axes.legend(loc="best", fontsize="small")
+        axes.grid(alpha=0.3)
+    if found.logarithmic:
+        grid[-1, 0].set_xscale("log")
+    grid[-1, 0].set_xlabel(found.across)
     return figure
 
 

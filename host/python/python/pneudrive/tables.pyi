@@ -1,6 +1,9 @@
 """The tables of a rig file as classes. Written by tests/stubs.py from the list of keys."""
 
-from typing import Any
+from collections.abc import Mapping, Sequence
+from typing import Any, TypedDict, type_check_only
+
+from numpy.typing import NDArray
 
 from ._pneudrive import Rig
 
@@ -700,3 +703,362 @@ class Test(Table):
     @property
     def temperature_2_k(self) -> float:
         """Chamber 2 at the start, K."""
+
+@type_check_only
+class RigKeys(TypedDict, total=False):
+    """Keys of a rig file, as keywords."""
+
+    name: str
+    gas__heat_capacity_ratio: float
+    gas__gas_constant_j_per_kg_k: float
+    supply__pressure_pa: float
+    supply__temperature_k: float
+    exhaust__pressure_pa: float
+    exhaust__temperature_k: float
+    controller__model: str
+    controller__clock_error_percent: float
+    controller__clock_tolerance_percent: float
+    controller__start_s: float
+    controller__gain_profile: Sequence[int] | NDArray[Any]
+    controller__learn_null_offset: bool
+    controller__learning_gain: int
+    controller__cascade_dead_time_factor: float
+    controller__cascade_flow_share: float
+    controller__cascade_observer_factor: float
+    controller__pressure_feedback_gain: float
+    controller__law: str
+    controller__loop: str
+    controller__period_s: float
+    controller__delay_s: float
+    controller__profile_span_counts: int
+    controller__proportional_gain: int
+    controller__integral_gain: int
+    controller__integral_band_counts: int
+    controller__dead_zone_counts: int
+    controller__velocity_gain: int
+    controller__acceleration_gain: int
+    controller__velocity_feed_forward: int
+    controller__acceleration_feed_forward: int
+    controller__velocity_window_samples: int
+    controller__acceleration_window_samples: int
+    controller__velocity_dead_band: int
+    controller__scale: int
+    controller__dead_band_counts: int
+    controller__relay_hysteresis_counts: int
+    controller__null_offset_counts: int
+    controller__forced_exit_s: float
+    controller__exit_on_dead_band: bool
+    controller__tolerance_counts: int
+    controller__monitoring_s: float
+    controller__dwell_s: float
+    controller__homing: str
+    controller__homing_command_counts: int
+    controller__homing_position_counts: int
+    controller__homing_back_off_counts: int
+    controller__homing_still_s: float
+    controller__homing_timeout_s: float
+    encoder__model: str
+    encoder__mm_per_count: float
+    encoder__polarity: int
+    encoder__bits: int
+    encoder__zero_mm: float
+    encoder__range_mm: float
+    encoder__linearity_percent: float
+    encoder__noise_counts: float
+    encoder__scale_error_percent: float
+    encoder__scale_tolerance_percent: float
+    encoder__offset_error_mm: float
+    encoder__offset_tolerance_mm: float
+    sensors__pressure: bool
+    sensors__pressure_min_pa: float
+    sensors__pressure_max_pa: float
+    sensors__spool_min_mm: float
+    sensors__spool_max_mm: float
+    sensors__bits: int
+    sensors__home_switch_mm: float
+    sensors__pressure_lag_s: float
+    sensors__channel_skew_s: float
+    sensors__noise_counts: float
+    sensors__pressure_1_gain_error_percent: float
+    sensors__pressure_1_offset_error_pa: float
+    sensors__pressure_2_gain_error_percent: float
+    sensors__pressure_2_offset_error_pa: float
+    sensors__pressure_gain_tolerance_percent: float
+    sensors__pressure_offset_tolerance_pa: float
+    sensors__spool_gain_error_percent: float
+    sensors__spool_offset_error_mm: float
+    sensors__spool_gain_tolerance_percent: float
+    sensors__spool_offset_tolerance_mm: float
+    operator__model: str
+    operator__max_command_counts: int
+    operator__force_gain_n_per_mm: float
+    operator__spring_n_per_mm: float
+    operator__spring_preload_n: float
+    operator__static_friction_n: float
+    operator__coulomb_friction_n: float
+    operator__spool_mass_kg: float
+    operator__damping_n_s_per_m: float
+    operator__stop_stiffness_n_per_m: float
+    operator__stop_region_m: float
+    operator__stop_damping_ratio: float
+    operator__hysteresis_percent: float
+    operator__dither_hz: float
+    operator__dither_mm: float
+    operator__dither_phase_deg: float
+    operator__dither_adjustable: bool
+    operator__amplifier_gain: float
+    operator__saturation_mm: float
+    operator__stiffness_per_mass_per_s2: float
+    operator__damping_per_s: float
+    operator__mm_per_step: float
+    operator__max_steps: int
+    operator__pulse_width_us: int
+    operator__direction_setup_us: int
+    operator__switch_time_s: float
+    operator__switch_off_time_s: float
+    valve__model: str
+    valve__spool_travel_mm: float
+    valve__underlap_mm: float
+    valve__sleeve_diameter_mm: float
+    valve__spool_diameter_mm: float
+    valve__spool_rod_diameter_mm: float
+    valve__port_diameter_mm: float
+    valve__discharge_supply: float
+    valve__discharge_exhaust: float
+    valve__discharge_reverse: float
+    valve__upstream_mach: bool
+    valve__turbulence: float
+    valve__null_offset_mm: float
+    valve__null_drift_mm_per_h: float
+    valve__flow_force: str
+    valve__flow_force_inlet: Sequence[float] | NDArray[Any]
+    valve__flow_force_outlet: Sequence[float] | NDArray[Any]
+    valve__land_length_m: float
+    valve__discharge_model: str
+    valve__connector_diameter_mm: float
+    valve__sonic_conductance_m3_per_s_pa: float
+    valve__critical_ratio: float
+    valve__exhaust_sonic_conductance_m3_per_s_pa: float
+    valve__exhaust_critical_ratio: float
+    valve__subsonic_index: float
+    valve__flow_map: Sequence[Sequence[float]] | NDArray[Any]
+    valve__flow_map_shift: float
+    valve__seat_conductance_m3_per_s_pa: float
+    valve__seat_critical_ratio: float
+    valve__exhaust_seat_conductance_m3_per_s_pa: float
+    valve__exhaust_seat_critical_ratio: float
+    valve__characteristic: str
+    valve__leakage_percent: float
+    valve__characteristic_table: Sequence[Sequence[float]] | NDArray[Any]
+    tubing__model: str
+    tubing__drop_slope: float
+    tubing__reference_flow_kg_s: float
+    tubing__diameter_mm: float
+    tubing__length_m: float
+    tubing__friction_factor: float
+    tubing__lag_s: float
+    actuator__model: str
+    actuator__stroke_m: float
+    actuator__bore_m: float
+    actuator__rod_diameter_m: float
+    actuator__residual_volume_1_m3: float
+    actuator__residual_volume_2_m3: float
+    actuator__leakage: str
+    actuator__leakage_coefficient: float
+    actuator__passage_resistance: float
+    actuator__passage_clearance_m: float
+    actuator__heat_transfer_w_per_m2_k: float
+    actuator__wall_temperature_k: float
+    load__model: str
+    load__mass_kg: float
+    load__viscous_n_s_per_m: float
+    load__constant_force_n: float
+    load__spring_n_per_m: float
+    load__incline_deg: float
+    load__friction: str
+    load__static_extend_n: float
+    load__coulomb_extend_n: float
+    load__static_retract_n: float
+    load__coulomb_retract_n: float
+    load__velocity_threshold_m_s: float
+    load__bristle_stiffness_n_per_m: float
+    load__bristle_damping_n_s_per_m: float
+    load__stribeck_velocity_m_s: float
+    load__stribeck_exponent: float
+    load__film_velocity_m_s: float
+    load__film_growth_s: float
+    load__film_decay_s: float
+    load__fluid_lag_s: float
+    load__stop_stiffness_n_per_m: float
+    load__stop_region_m: float
+    load__stop_damping_ratio: float
+    faults__event: Sequence[Mapping[str, Any]]
+    faults__gain_bug: str
+    safety__position_margin_mm: float
+    safety__max_speed_m_s: float
+    safety__sensor_watch: bool
+    safety__end_min_mm: float
+    safety__end_max_mm: float
+    safety__host_silence_s: float
+    safety__hold_s: float
+    safety__input_debounce_s: float
+    safety__input_settling_s: float
+    safety__no_motion_s: float
+    safety__model_bound_s: float
+    safety__pressure_doubt_s: float
+    safety__late_output_us: int
+    safety__late_sample_us: int
+    test__moves: Sequence[Sequence[float]] | NDArray[Any]
+    test__targets: Sequence[int] | NDArray[Any]
+    test__move: Sequence[Mapping[str, Any]]
+    test__moves_mm: Sequence[Sequence[float]] | NDArray[Any]
+    test__targets_mm: Sequence[float] | NDArray[Any]
+    test__profile: str
+    test__velocity_mm_s: float
+    test__acceleration_mm_s2: float
+    test__jerk_mm_s3: float
+    test__duration_s: float
+    test__repeat_every_s: float
+    test__impulse: Sequence[float] | NDArray[Any]
+    test__tolerance_mm: float
+    test__trace_period_s: float
+    test__decimation: int
+    test__pre_trigger: int
+    test__position_m: float
+    test__pressure_1_pa: float
+    test__pressure_2_pa: float
+    test__temperature_1_k: float
+    test__temperature_2_k: float
+    supply__pressure: str
+    supply__temperature: str
+    exhaust__pressure: str
+    exhaust__temperature: str
+    controller__start: str
+    controller__period: str
+    controller__delay: str
+    controller__forced_exit: str
+    controller__monitoring: str
+    controller__dwell: str
+    controller__homing_still: str
+    controller__homing_timeout: str
+    encoder__zero: str
+    encoder__range: str
+    encoder__noise: str
+    encoder__offset_error: str
+    encoder__offset_tolerance: str
+    sensors__pressure_min: str
+    sensors__pressure_max: str
+    sensors__spool_min: str
+    sensors__spool_max: str
+    sensors__home_switch: str
+    sensors__pressure_lag: str
+    sensors__channel_skew: str
+    sensors__noise: str
+    sensors__pressure_1_offset_error: str
+    sensors__pressure_2_offset_error: str
+    sensors__pressure_offset_tolerance: str
+    sensors__spool_offset_error: str
+    sensors__spool_offset_tolerance: str
+    operator__force_gain: str
+    operator__spring: str
+    operator__spring_preload: str
+    operator__static_friction: str
+    operator__coulomb_friction: str
+    operator__spool_mass: str
+    operator__damping: str
+    operator__stop_stiffness: str
+    operator__stop_region: str
+    operator__dither: str
+    operator__dither_phase: str
+    operator__saturation: str
+    operator__switch_time: str
+    operator__switch_off_time: str
+    valve__spool_travel: str
+    valve__underlap: str
+    valve__sleeve_diameter: str
+    valve__spool_diameter: str
+    valve__spool_rod_diameter: str
+    valve__port_diameter: str
+    valve__null_offset: str
+    valve__null_drift: str
+    valve__land_length: str
+    valve__connector_diameter: str
+    tubing__diameter: str
+    tubing__length: str
+    tubing__lag: str
+    actuator__stroke: str
+    actuator__bore: str
+    actuator__rod_diameter: str
+    actuator__residual_volume_1: str
+    actuator__residual_volume_2: str
+    actuator__passage_clearance: str
+    actuator__wall_temperature: str
+    load__mass: str
+    load__viscous: str
+    load__constant_force: str
+    load__spring: str
+    load__incline: str
+    load__static_extend: str
+    load__coulomb_extend: str
+    load__static_retract: str
+    load__coulomb_retract: str
+    load__bristle_stiffness: str
+    load__bristle_damping: str
+    load__film_growth: str
+    load__film_decay: str
+    load__fluid_lag: str
+    load__stop_stiffness: str
+    load__stop_region: str
+    safety__position_margin: str
+    safety__end_min: str
+    safety__end_max: str
+    safety__host_silence: str
+    safety__hold: str
+    safety__input_debounce: str
+    safety__input_settling: str
+    safety__no_motion: str
+    safety__model_bound: str
+    safety__pressure_doubt: str
+    test__duration: str
+    test__repeat_every: str
+    test__tolerance: str
+    test__trace_period: str
+    test__position: str
+    test__pressure_1: str
+    test__pressure_2: str
+    test__temperature_1: str
+    test__temperature_2: str
+
+@type_check_only
+class Answers(TypedDict, total=False):
+    """Figures of data sheets."""
+
+    cylinder: str | float
+    bore: str | float
+    rod: str | float
+    stroke: str | float
+    mass: str | float
+    incline: str | float
+    force: str | float
+    friction: str | float
+    breakaway: str | float
+    valve: str | float
+    flow_map: str | float
+    conductance: str | float
+    critical_ratio: str | float
+    flow: str | float
+    kv: str | float
+    cv: str | float
+    bandwidth: str | float
+    hysteresis: str | float
+    overlap: str | float
+    tube: str | float
+    tube_bore: str | float
+    tube_length: str | float
+    supply: str | float
+    encoder: str | float
+    resolution: str | float
+    pressure_sensors: str | float
+    tolerance_mm: str | float
+    period: str | float
+    law: str | float
