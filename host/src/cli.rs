@@ -24,7 +24,7 @@ pub use device::{BringUp, ConfigAction, Device, DeviceAction, Position, RecordsA
 pub use experiments::{ALL, Characterise, LIST, Ladder, Merge, Study, Sweep, Thesis, Tune};
 pub use fmu::Fmu;
 pub use link::{Monitor, PortChoice, Record, Run};
-pub use logs::{Export, Format, Import};
+pub use logs::{Export, Import};
 pub use shell::{Completions, Man};
 pub use transients::{Align, Channel, Eval, Identify, Interval, Overlay, Spectrum, Window};
 

@@ -1,7 +1,9 @@
 //! `export` and `import`: transients for other programs, and logs of other recorders.
 
+use std::collections::BTreeMap;
 use std::fs;
 
+use pneudrive_logs::signals::Signals;
 use pneudrive_records::target::TargetFile;
 use pneudrive_sim::{Rig, keys};
 use serde_json::Value;
@@ -61,6 +63,27 @@ fn a_record_that_leaves_as_a_log_comes_back_in_every_integer() {
 }
 
 #[test]
+fn what_a_record_shows_has_the_name_and_the_unit_that_it_has_in_a_run() {
+    let folder = folder();
+    let path = folder.path();
+    fs::copy("tests/fixtures/TARGET-1.DAT", path.join("TARGET01.DAT")).expect("copied");
+    ok(path, "simulate servo-b-tuned --ensemble 1 --out run --set test.duration_s=0.4");
+    let [of_record, of_run] = ["TARGET01.DAT", "run"].map(|file| {
+        let read = Signals::read(&path.join(file)).expect("signals");
+        let unit = |name: &str| {
+            let key = format!("unit of {name}");
+            read.about.iter().find(|(of, _)| *of == key).map(|(_, unit)| unit.clone())
+        };
+        read.signals.iter().map(|one| (one.name.clone(), unit(&one.name))).collect::<BTreeMap<_, _>>()
+    });
+    assert_eq!(of_record["pressure_1_pa"].as_deref(), Some("Pa"));
+    assert_eq!(of_record["setpoint_m"].as_deref(), Some("m"));
+    for (name, unit) in of_record {
+        assert_eq!(of_run.get(&name), Some(&unit), "{name}");
+    }
+}
+
+#[test]
 fn an_export_never_replaces_a_file_unasked_and_names_what_it_cannot_do() {
     let folder = folder();
     let path = folder.path();
@@ -72,7 +95,10 @@ fn an_export_never_replaces_a_file_unasked_and_names_what_it_cannot_do() {
             "export TARGET01.DAT --out a.mat",
             "a.mat already exists; choose another name with --out, or replace it with --overwrite",
         ),
-        ("export TARGET01.DAT", "choose a format with --to csv, mat, mcap or parquet"),
+        (
+            "export TARGET01.DAT",
+            "choose a format with --to (csv, mat, mcap, ros2, parquet), or a file with --out",
+        ),
         ("export TARGET01.DAT --out a.xlsx", "\"xlsx\" is no format"),
         ("export nothing.DAT --to csv", "cannot read nothing.DAT"),
         ("import a.mat servo-b --columns none.toml", "cannot read none.toml"),

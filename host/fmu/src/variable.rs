@@ -69,8 +69,6 @@ impl Variable {
     pub fn unit(&self) -> &'static str {
         match self.role {
             Role::Time => "s",
-            // No key is an acceleration in m/s2.
-            Role::Output(_) if self.name.ends_with("_m_s2") => "m/s2",
             _ => unit(self.name.rsplit('.').next().unwrap_or(self.name)).1,
         }
     }

@@ -19,13 +19,20 @@ pub enum Format {
     Mat,
     /// MCAP with protobuf messages, for PlotJuggler and Foxglove.
     Mcap,
+    /// MCAP with messages of ROS 2, for `ros2 bag play`.
+    Ros2,
     /// Parquet, for pandas, Polars and DuckDB.
     Parquet,
 }
 
-/// All kinds, with the endings of their names.
-pub const FORMATS: [(Format, &str); 4] =
-    [(Format::Csv, "csv"), (Format::Mat, "mat"), (Format::Mcap, "mcap"), (Format::Parquet, "parquet")];
+/// All kinds, with their words and the endings of their files. An ending alone is the first kind that has it.
+pub const FORMATS: [(Format, &str, &str); 5] = [
+    (Format::Csv, "csv", "csv"),
+    (Format::Mat, "mat", "mat"),
+    (Format::Mcap, "mcap", "mcap"),
+    (Format::Ros2, "ros2", "mcap"),
+    (Format::Parquet, "parquet", "parquet"),
+];
 
 /// The bytes of the file of these signals.
 ///
@@ -36,6 +43,7 @@ pub fn file(signals: &Signals, format: Format) -> Result<Vec<u8>> {
         Format::Csv => Ok(csv::file(signals).into_bytes()),
         Format::Mat => mat::file(signals),
         Format::Mcap => mcap::file(signals),
+        Format::Ros2 => mcap::ros2(signals),
         #[cfg(feature = "parquet")]
         Format::Parquet => parquet::file(signals),
         #[cfg(not(feature = "parquet"))]

@@ -9,6 +9,7 @@ use pneudrive_evaluate::transient::{COMMAND, ERROR, POSITION, SETPOINT, SPOOL, T
 use pneudrive_protocol::RecordedSample;
 use pneudrive_records::run_folder::StoredRun;
 use pneudrive_records::target::TargetFile;
+use pneudrive_sim::rig::unit;
 
 /// A quantity over time.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,7 +23,7 @@ pub struct Signal {
 /// The signals of a transient.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Signals {
-    /// Facts about all samples: the header of a record, the rig of a run.
+    /// Facts about all samples: the header of a record, the rig of a run; the unit of each signal.
     pub about: Vec<(String, String)>,
     /// s, from the start of the test; grows from sample to sample.
     pub time_s: Vec<f64>,
@@ -36,22 +37,30 @@ impl Signals {
     /// # Errors
     /// When it is none of them, or damaged.
     pub fn read(path: &Path) -> Result<Signals> {
-        if path.is_dir() {
-            return Ok(Signals::of_run(StoredRun::read(path)?));
-        }
-        // Refuses a part of a run folder.
-        let transient = Transient::read(path)?;
-        Signals::of_record(&transient, &TargetFile::read(path)?)
+        let mut signals = match path.is_dir() {
+            true => Signals::of_run(StoredRun::read(path)?),
+            // A transient refuses a part of a run folder.
+            false => Signals::of_record(&Transient::read(path)?, &TargetFile::read(path)?)?,
+        };
+        let units = signals.signals.iter().map(|signal| {
+            let unit = unit(&signal.name).1;
+            (format!("unit of {}", signal.name), unit.to_owned())
+        });
+        let units: Vec<(String, String)> = units.collect();
+        signals.about.extend(units);
+        Ok(signals)
     }
 
-    /// Every column of a run.
+    /// Every column of a run, and its setpoint as a record has it.
     #[must_use]
     pub fn of_run(run: StoredRun) -> Signals {
+        let values = Transient::of_run("", &run).channels[SETPOINT].iter().map(|mm| mm * 1e-3).collect();
+        let setpoint = Signal { name: "setpoint_m".to_owned(), values };
         let about = [("rig", run.rig.clone()), ("mm_per_count", run.mm_per_count.to_string())];
         let mut columns = run.into_columns().map(|(name, values)| Signal { name: name.to_owned(), values });
         let time_s = columns.next().map(|time| time.values).unwrap_or_default();
         let about = about.map(|(key, value)| (key.to_owned(), value)).into();
-        Signals { about, time_s, signals: columns.collect() }
+        Signals { about, time_s, signals: columns.chain([setpoint]).collect() }
     }
 
     /// The channels of a record, with the lines of its header.

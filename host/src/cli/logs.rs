@@ -2,7 +2,8 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
+use pneudrive_logs::export::FORMATS;
 
 use super::RigChoice;
 
@@ -13,34 +14,23 @@ Names and units are those of trace.csv: position_m, pressure_1_pa, spool_mm, com
 of the test. What is unknown is empty (csv), NaN (mat, mcap) or null (parquet).
 
   mcap      PlotJuggler, Foxglove: one message a sample on /drive
+  ros2      ros2 bag play: MCAP with a topic for each signal, of std_msgs/Float64
   mat       MATLAB, Octave, SciPy (loadmat): one variable a signal
   parquet   pandas, Polars, DuckDB; in a program built with --features parquet
   csv       everything else")]
 pub struct Export {
     /// A TARGET file, a streamed run, or a run folder
     pub file: PathBuf,
-    /// The kind of file [default: by the name of --out]
-    #[arg(long, value_enum, value_name = "FORMAT")]
-    pub to: Option<Format>,
+    /// The kind of file: a table as text, MATLAB 5, MCAP with protobuf messages, MCAP with messages of ROS 2, Parquet [default: by
+    /// the name of --out]
+    #[arg(long, value_name = "FORMAT", value_parser = FORMATS.map(|(_, word, _)| word))]
+    pub to: Option<String>,
     /// The file to write [default: FILE with the ending of the format, in the current folder]
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
     /// Replace the file if there is one
     #[arg(long)]
     pub overwrite: bool,
-}
-
-/// Kinds of files.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Format {
-    /// A table as text
-    Csv,
-    /// MATLAB 5
-    Mat,
-    /// MCAP with protobuf messages
-    Mcap,
-    /// Parquet
-    Parquet,
 }
 
 /// Arguments of `import`.

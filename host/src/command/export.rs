@@ -2,13 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Result, bail};
 use pneudrive_logs::export::{self, FORMATS};
 use pneudrive_logs::signals::Signals;
 use pneudrive_records::whole_file::{is_device, put};
 use serde_json::json;
 
-use crate::cli::{Export, Format};
+use crate::cli::Export;
 use crate::json;
 
 pub(super) fn execute(arguments: &Export) -> Result<()> {
@@ -29,25 +29,18 @@ pub(super) fn execute(arguments: &Export) -> Result<()> {
 
 /// The kind of file and its place.
 fn target(arguments: &Export) -> Result<(export::Format, PathBuf)> {
-    let ending_of = |path: &Path| path.extension().map(|ending| ending.to_string_lossy().into_owned());
-    let ending = match (arguments.to, &arguments.out) {
-        (Some(format), _) => ending(format).to_owned(),
-        (None, Some(out)) => ending_of(out).unwrap_or_default(),
-        (None, None) => bail!("choose a format with --to csv, mat, mcap or parquet, or a file with --out"),
+    let ending = arguments.out.as_deref().and_then(Path::extension).unwrap_or_default();
+    let of = |(_, word, usual): &&(_, &str, &str)| match &arguments.to {
+        Some(to) => word == to,
+        None => *usual == ending,
     };
-    let format = FORMATS.iter().find(|(_, name)| *name == ending).map(|(format, _)| *format);
-    let format = format.with_context(|| {
-        format!("{ending:?} is no format; choose one with --to csv, mat, mcap or parquet")
-    })?;
-    let beside = || PathBuf::from(arguments.file.file_name().unwrap_or_default()).with_extension(&ending);
-    Ok((format, arguments.out.clone().unwrap_or_else(beside)))
-}
-
-fn ending(format: Format) -> &'static str {
-    match format {
-        Format::Csv => "csv",
-        Format::Mat => "mat",
-        Format::Mcap => "mcap",
-        Format::Parquet => "parquet",
-    }
+    let Some((format, _, usual)) = FORMATS.iter().find(of) else {
+        let words = FORMATS.map(|(_, word, _)| word).join(", ");
+        match &arguments.out {
+            Some(_) => bail!("{ending:?} is no format; choose one with --to: {words}"),
+            None => bail!("choose a format with --to ({words}), or a file with --out"),
+        }
+    };
+    let beside = || PathBuf::from(arguments.file.file_name().unwrap_or_default()).with_extension(usual);
+    Ok((*format, arguments.out.clone().unwrap_or_else(beside)))
 }

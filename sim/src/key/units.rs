@@ -1,4 +1,4 @@
-//! The unit of a key, from the ending of its name.
+//! The unit of a key or of a column, from the ending of its name.
 
 /// Endings of names and the units they stand for, longer ones first.
 const UNITS: &[(&str, &str)] = &[
@@ -8,6 +8,7 @@ const UNITS: &[(&str, &str)] = &[
     ("_mm_s3", "mm/s3"),
     ("_mm_s2", "mm/s2"),
     ("_mm_s", "mm/s"),
+    ("_m_s2", "m/s2"),
     ("_m3_per_s_pa", "m3/(s Pa)"),
     ("_per_mass_per_s2", "1/s2"),
     ("_n_s_per_m", "N s/m"),
@@ -67,6 +68,7 @@ mod tests {
         assert_eq!(unit("max_speed_m_s"), ("max_speed", "m/s"));
         assert_eq!(unit("null_drift_mm_per_h"), ("null_drift", "mm/h"));
         assert_eq!(unit("velocity_mm_s"), ("velocity", "mm/s"));
+        assert_eq!(unit("acceleration_m_s2"), ("acceleration", "m/s2"));
         assert_eq!(unit("jerk_mm_s3"), ("jerk", "mm/s3"));
     }
 }

@@ -55,6 +55,23 @@ fn a_name_that_matlab_does_not_take_is_refused() {
 }
 
 #[test]
+fn a_file_for_ros_2_has_a_topic_for_each_signal_in_every_bit() {
+    let signals = two_samples();
+    let bytes = file(&signals, Format::Ros2).expect("a file");
+    assert!(bytes.windows(20).any(|part| part == b"std_msgs/msg/Float64"));
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("x.mcap");
+    std::fs::write(&path, bytes).expect("written");
+    let log = Log::read(&path).expect("a log");
+    for signal in &signals.signals {
+        let name = format!("/drive/{}.data", signal.name);
+        let series = log.get(&name.as_str().into()).expect("a series");
+        assert_eq!(bits(&series.values), bits(&signal.values), "{}", signal.name);
+        assert_eq!(series.clock_s, Some(vec![0.0, 0.0013]));
+    }
+}
+
+#[test]
 fn an_mcap_file_describes_its_messages_and_reads_back_in_every_bit() {
     let signals = two_samples();
     let bytes = file(&signals, Format::Mcap).expect("a file");

@@ -40,13 +40,10 @@ fn rig() -> Rig {
         .expect("a shorter test")
 }
 
-/// What another recorder would have logged of a run, with the setpoint in m.
+/// What another recorder would have logged of a run.
 fn log(rig: &Rig) -> (StoredRun, Log) {
     let run = StoredRun::of(rig, &run(rig, Accuracy::of(rig)).expect("a run"));
-    let pulse = 1e-3 * run.mm_per_count;
-    let setpoint = run.column("setpoint_counts").iter().map(|count| (count + 0.5) * pulse).collect();
     let Signals { time_s, mut signals, .. } = Signals::of_run(run.clone());
-    signals.push(Signal { name: "setpoint_m".to_owned(), values: setpoint });
     signals.push(Signal { name: "time_s".to_owned(), values: time_s });
     let series = |signal: Signal| Series { name: signal.name, clock_s: None, values: signal.values };
     (run, Log { name: "log.csv".to_owned(), series: signals.into_iter().map(series).collect(), table: None })

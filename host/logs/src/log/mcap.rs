@@ -1,8 +1,9 @@
-//! MCAP (mcap.dev/spec) with messages in protobuf or JSON: every number of every field of every topic.
+//! MCAP (mcap.dev/spec) with messages in protobuf, JSON or CDR (ROS 2): every number of every field of every topic.
 //!
 //! Messages come in the order of their log times, as the reference library reads them; the order in the file is that in which they
 //! were written. Where more than one channel has a topic, each is a topic of its own: `/drive#1`, `/drive#2`.
 
+mod cdr;
 mod chunk;
 mod json;
 mod protobuf;
@@ -29,6 +30,7 @@ struct Topic {
 /// The kind of a channel's messages.
 enum Encoding {
     Protobuf(Messages),
+    Cdr(cdr::Messages),
     Json,
     /// One that cannot be read.
     Other(String),
@@ -56,7 +58,7 @@ pub fn read(bytes: &[u8]) -> Result<Vec<Series>> {
             _ => None,
         });
         match other {
-            Some(other) => bail!("{other}: only protobuf and json can be read"),
+            Some(other) => bail!("{other}: only protobuf, json and cdr can be read"),
             None => bail!("it has no messages"),
         }
     }
@@ -94,11 +96,16 @@ impl Reading {
     }
 
     fn encoding(&self, channel: &Channel) -> Result<Encoding> {
+        let schema = || self.schemas.get(&channel.schema_id).context("it has no schema");
         match &*channel.message_encoding {
             "json" => Ok(Encoding::Json),
             "protobuf" => {
-                let (name, data) = self.schemas.get(&channel.schema_id).context("it has no schema")?;
+                let (name, data) = schema()?;
                 Messages::described(data, name).map(Encoding::Protobuf)
+            }
+            "cdr" => {
+                let (name, data) = schema()?;
+                cdr::Messages::described(data, name).map(Encoding::Cdr)
             }
             other => Ok(Encoding::Other(other.to_owned())),
         }
@@ -177,6 +184,7 @@ fn numbers(encoding: &Encoding, data: &[u8]) -> Result<Option<Vec<(String, f64)>
     let mut numbers = Vec::new();
     match encoding {
         Encoding::Protobuf(messages) => messages.numbers(data, &mut numbers).context("it is damaged")?,
+        Encoding::Cdr(messages) => messages.numbers(data, &mut numbers).context("it is damaged")?,
         Encoding::Json => of_json("", &serde_json::from_slice(data).context("it is damaged")?, &mut numbers),
         Encoding::Other(_) => return Ok(None),
     }

@@ -6,6 +6,7 @@ use crate::signals::{Signal, Signals};
 
 /// Logs written by the reference library of MCAP in Python (tests/fixtures/make.py).
 const LZ4: &[u8] = include_bytes!("../../tests/fixtures/protobuf-lz4.mcap");
+const ROS2: &[u8] = include_bytes!("../../tests/fixtures/ros2-cdr.mcap");
 const ZSTD: &[u8] = include_bytes!("../../tests/fixtures/protobuf-zstd.mcap");
 const JSON: &[u8] = include_bytes!("../../tests/fixtures/json.mcap");
 
@@ -53,12 +54,39 @@ fn files_of_the_reference_library_are_read_compressed_or_not() {
     assert!(series[2].values[0].is_nan(), "the first message has no list");
 }
 
+/// Written by the package mcap-ros2-support of the format's authors.
+#[test]
+fn a_bag_of_ros_2_is_read() {
+    let series = series_of(ROS2).expect("a log");
+    let last = |name: &str| series.iter().find(|one| one.name == name).map(|one| one.values[4]);
+    for (name, value) in [
+        ("/axis.header.stamp.sec", 1_700_000_000.0),
+        ("/axis.header.stamp.nanosec", 4e6),
+        ("/axis.position.0", 0.4),
+        ("/axis.position.1", -1.5),
+        ("/axis.pressure.0", 600_004.0),
+        ("/axis.command", -400.0),
+        ("/axis.mode", 2.0),
+        ("/axis.armed", 1.0),
+        ("/axis.cells.1.id", 4.0),
+        ("/axis.cells.1.force.y", -8.0),
+        ("/axis.count", -4e12),
+        ("/axis.temperature", 21.5),
+    ] {
+        assert_eq!(last(name), Some(value), "{name}");
+    }
+    assert_eq!(series.len(), 17, "constants and texts are none: {:?}", names(&series));
+    assert_eq!(series[0].clock_s.as_ref().expect("a clock")[4], 0.004);
+}
+
 #[test]
 fn a_changed_byte_never_ends_the_program() {
-    for place in 0..ZSTD.len() {
-        let mut bytes = ZSTD.to_vec();
-        bytes[place] ^= 0x55;
-        let _ = series_of(&bytes);
+    for file in [ZSTD, ROS2] {
+        for place in 0..file.len() {
+            let mut bytes = file.to_vec();
+            bytes[place] ^= 0x55;
+            let _ = series_of(&bytes);
+        }
     }
 }
 
