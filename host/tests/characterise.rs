@@ -20,6 +20,7 @@ fn rows(text: &str) -> Vec<Vec<String>> {
 }
 
 #[test]
+#[ignore = "long: cargo xtask test long"]
 fn all_curves_of_a_servo_drive_are_drawn_and_stored() {
     let folder = folder();
     let parts = "--set valve.flow_force=analytical --set actuator.leakage=adiabatic --set valve.null_drift_mm_per_h=0.01";

@@ -37,6 +37,7 @@ fn new_drive(folder: &Path, incline: &str) -> Rig {
 }
 
 #[test]
+#[ignore = "long: cargo xtask test long"]
 fn each_command_takes_a_drive_of_ones_own_level_inclined_and_vertical() {
     for incline in INCLINES {
         let folder = folder();

@@ -120,6 +120,7 @@ fn assert_intervals_hold(json: &serde_json::Value, real: &Rig) {
 /// What a first user does: the rounding of readings without noise follows their course, and such residuals were called no
 /// fit after minutes of search.
 #[test]
+#[ignore = "long: cargo xtask test long"]
 fn a_virtual_rig_without_noise_is_a_fit_whose_intervals_hold_what_its_file_says() {
     let folder = folder();
     let file = pneudrive_sim::rigfile::builtin("servo-b-tuned").expect("built in");
@@ -134,6 +135,7 @@ fn a_virtual_rig_without_noise_is_a_fit_whose_intervals_hold_what_its_file_says(
 
 /// No transient tells an incline from friction that is stronger one way; that all friction is off by one force does.
 #[test]
+#[ignore = "long: cargo xtask test long"]
 fn an_incline_that_friction_seems_to_make_up_for_is_told() {
     let folder = folder();
     let settings = "--set load.incline_deg=30 --set valve.null_offset_mm=-0.005";

@@ -44,6 +44,7 @@ fn the_intervals_hold_what_was_hidden_as_often_as_they_say() {
 
 /// A light load on a strongly dithered valve has moved by 1.1 mm before its first stroke.
 #[test]
+#[ignore = "long: cargo xtask test long"]
 fn a_drive_that_its_dither_shakes_is_identified() {
     let folder = folder();
     let trial = scaled_rig(1015).identify(pneudrive(), folder.path()).expect("an identification");
@@ -65,6 +66,7 @@ fn a_search_goes_on_from_where_the_fit_of_an_effect_has_come_without_needing_it(
 /// A leak of 0.0017 g/(s bar) moved the null by 15 standard errors in a fit that was said to be one: the residuals
 /// together pass for noise.
 #[test]
+#[ignore = "long: cargo xtask test long"]
 fn a_leak_is_noticed_by_its_trace_where_all_residuals_together_pass_for_noise() {
     let (folder, hidden) = (folder(), lacking_rig(58));
     assert!(hidden.lacks.as_ref().is_some_and(|lacks| lacks.contains("leakage")), "{hidden:?}");
@@ -176,6 +178,7 @@ fn what_no_sample_depends_on_is_neither_fitted_nor_told_an_interval_of() {
 /// In extension, a constant force does what stiction and Coulomb friction do together: the data show their differences,
 /// and each of them is as uncertain as the file's values of the others.
 #[test]
+#[ignore = "long: cargo xtask test long"]
 fn forces_that_only_act_together_carry_one_another_in_their_intervals() {
     let recorded = recorded();
     let mut parameters = usual(&recorded.model());

@@ -21,8 +21,7 @@ struct Arguments {
 enum Command {
     /// Everything that CI runs: fmt --check, lint, test, docs
     Ci,
-    /// The tests on the PC and in the emulator, the no_std crates built for the boards, and the probe; or one group of tests
-    /// that needs more tools, which it installs, or more time
+    /// The tests on the PC and in the emulator; or one group of tests that needs more tools, which it installs, or more time
     Test {
         /// This group alone
         group: Option<Group>,

@@ -74,8 +74,10 @@ pub enum Group {
     Python,
     /// FMUs, validated and simulated by FMPy in target/fmu-venv
     Fmu,
-    /// Long properties and soaks, all states of the link
+    /// Long properties and soaks, all states of the link, instructions of the simulator
     Long,
+    /// The images of the boards: what is in them, their calls, flash, memory and stack. Installs the targets
+    Images,
 }
 
 /// How much of a group is tested when nothing is installed for it, and what it takes to test the rest.
@@ -113,6 +115,9 @@ impl Group {
             Group::Long => {
                 Here::Nothing("long properties and soaks are not run (cargo xtask test long)".to_owned())
             }
+            Group::Images => {
+                Here::Nothing("the images of the boards are not built (cargo xtask test images)".to_owned())
+            }
             Group::Web | Group::Python | Group::Fmu => Here::All,
         }
     }
@@ -127,6 +132,7 @@ impl Group {
             Group::Flashed => ensure_flashed(tally),
             Group::Python => tally.check("environment of Python", python::prepare),
             Group::Fmu => tally.check("environment of FMPy", fmu::prepare),
+            Group::Images => tally.check("target of the boards", cargo::ensure_thumb_target),
             Group::Targets | Group::Long => {}
         }
     }
@@ -151,6 +157,7 @@ impl Group {
             Group::Python => package(tally),
             Group::Fmu => fmus(tally),
             Group::Long => long(tally),
+            Group::Images => images(tally),
         }
     }
 }
@@ -169,6 +176,22 @@ pub fn test_group(tally: &mut Tally, group: Group) {
 fn long(tally: &mut Tally) {
     tests(tally, "long properties", &["test", "--workspace", "--tests", "--no-fail-fast", "--", "--ignored"]);
     link::states_in_short(tally);
+    tally.check("instructions of the simulator", instructions::check);
+}
+
+/// What can be said of the boards without one.
+fn images(tally: &mut Tally) {
+    no_std_crates(tally);
+    probe(tally);
+}
+
+fn no_std_crates(tally: &mut Tally) {
+    tally.check("no_std crates for the boards", || {
+        let crates = ["pneudrive-controller", "pneudrive-protocol", "pneudrive-app", "pneudrive-interfaces"];
+        let mut arguments = vec!["build", "--lib", "--keep-going", "--target", THUMB];
+        arguments.extend(crates.iter().flat_map(|name| ["--package", name]));
+        run(&mut in_root(&arguments))
+    });
 }
 
 /// The FMUs, written by the command and loaded by FMPy.
@@ -202,8 +225,8 @@ pub fn flashed(tally: &mut Tally, write: bool) {
     tests_by(tally, "the flashed image", || flashed::all(write));
 }
 
-/// All tests on the PC, then what can be said of the boards without one. Groups whose tools are missing are left out, and told
-/// of before anything begins.
+/// All tests on the PC and in the emulator. Groups whose tools are missing are left out, and told of before anything begins;
+/// so are those that take longer than a first look at the sources may.
 pub fn test(tally: &mut Tally) {
     let groups = Group::value_variants().iter().filter(|group| match group.here() {
         Here::All => true,
@@ -257,20 +280,12 @@ fn test_without_groups(tally: &mut Tally) {
     tally.check("emulator", || QEMU.ensure());
     tally.check("image for the emulator", boards::check_emulated);
     test_programs(tally);
-    probe(tally);
 }
 
 fn test_programs(tally: &mut Tally) {
     programs::run(tally);
     // The only crate with examples in its documentation.
     tests(tally, "examples of the documentation", &["test", "--package", "pneudrive-solver", "--doc"]);
-    tally.check("instructions of the simulator", instructions::check);
-    tally.check("no_std crates for the boards", || {
-        let crates = ["pneudrive-controller", "pneudrive-protocol", "pneudrive-app", "pneudrive-interfaces"];
-        let mut arguments = vec!["build", "--lib", "--keep-going", "--target", THUMB];
-        arguments.extend(crates.iter().flat_map(|name| ["--package", name]));
-        run(&mut in_root(&arguments))
-    });
 }
 
 /// Tests that count one by one.
@@ -413,8 +428,9 @@ pub fn ci(tally: &mut Tally) {
         Ok(images) => tally.absorb(images),
         Err(_) => tally.fail(1, "the images: a panic, told above".to_owned()),
     }
+    no_std_crates(tally);
     test_programs(tally);
-    for group in Group::value_variants() {
+    for group in Group::value_variants().iter().filter(|group| **group != Group::Images) {
         test_group(tally, *group);
     }
     deny::check(tally);
