@@ -42,6 +42,7 @@ pub mod rig;
 pub mod rigfile;
 pub mod run;
 pub mod schedule;
+mod snapshot;
 mod start;
 pub mod trace;
 mod values;

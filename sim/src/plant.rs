@@ -6,6 +6,7 @@
 
 mod accuracy;
 
+pub use crate::snapshot::{QUANTITIES, Quantity, Snapshot};
 pub use accuracy::{Accuracy, PERTURBATION};
 
 use pneudrive_controller::{Command, Sample};
@@ -73,32 +74,6 @@ const LOOSE: f64 = 1e-9;
 fn flow_error(tolerance: f64, lags: bool) -> f64 {
     let loose = if lags { 0.0 } else { FLOW_OF_LOOSE * tolerance };
     (FLOW * tolerance).min(loose.max(SMALL_FLOW_ERROR))
-}
-
-/// The measurable quantities at one instant, SI.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Snapshot {
-    /// Position, m.
-    pub position: f64,
-    /// Velocity, m/s.
-    pub velocity: f64,
-    /// Acceleration, m/s^2.
-    pub acceleration: f64,
-    /// Absolute chamber pressures, Pa.
-    pub pressures: [f64; 2],
-    /// Chamber temperatures, K.
-    pub temperatures: [f64; 2],
-    /// Spool position, m.
-    pub spool: f64,
-    /// Spool position demanded by the command in force, m.
-    pub spool_command: f64,
-    /// Mass flows into the chambers through their ports, kg/s: the slopes of the masses of the air inside, less the
-    /// leakage.
-    pub mass_flows: [f64; 2],
-    /// Force of the cylinder, N.
-    pub actuator_force: f64,
-    /// Dry friction, N, positive against extension.
-    pub friction: f64,
 }
 
 /// The work of a run.

@@ -6,30 +6,26 @@ use pneudrive_controller::Observation;
 
 use crate::assembly::ValveState;
 use crate::known::Known;
-use crate::plant::Snapshot;
+use crate::snapshot::{QUANTITIES, Snapshot};
 use crate::values::Rig;
 
-/// The columns of trace.csv.
-pub const COLUMNS: [&str; 18] = [
-    "time_s",
-    "setpoint_counts",
-    "position_counts",
-    "error_counts",
-    "command_counts",
-    "position_m",
-    "velocity_m_s",
-    "acceleration_m_s2",
-    "pressure_1_pa",
-    "pressure_2_pa",
-    "temperature_1_k",
-    "temperature_2_k",
-    "spool_mm",
-    "spool_command_mm",
-    "mass_flow_1_kg_s",
-    "mass_flow_2_kg_s",
-    "actuator_force_n",
-    "friction_n",
-];
+/// The columns of the controller.
+const OF_CONTROLLER: [&str; 5] =
+    ["time_s", "setpoint_counts", "position_counts", "error_counts", "command_counts"];
+
+/// The columns of trace.csv: those of the controller, then the quantities of the plant.
+pub const COLUMNS: [&str; OF_CONTROLLER.len() + QUANTITIES.len()] = {
+    let mut columns = [""; OF_CONTROLLER.len() + QUANTITIES.len()];
+    let mut place = 0;
+    while place < columns.len() {
+        columns[place] = match place.checked_sub(OF_CONTROLLER.len()) {
+            None => OF_CONTROLLER[place],
+            Some(quantity) => QUANTITIES[quantity].name,
+        };
+        place += 1;
+    }
+    columns
+};
 
 /// One row: the controller's last observation, and the plant at the row's time.
 #[derive(Clone, Copy, Debug)]
@@ -168,27 +164,14 @@ impl Row {
     /// The numbers of the row, in the order of [`COLUMNS`].
     #[must_use]
     pub fn values(&self) -> [f64; COLUMNS.len()] {
-        let (seen, plant) = (&self.observation, &self.plant);
-        [
-            self.time,
-            f64::from(seen.setpoint),
-            f64::from(seen.position),
-            f64::from(seen.error),
-            f64::from(seen.command),
-            plant.position,
-            plant.velocity,
-            plant.acceleration,
-            plant.pressures[0],
-            plant.pressures[1],
-            plant.temperatures[0],
-            plant.temperatures[1],
-            plant.spool * 1e3,
-            plant.spool_command * 1e3,
-            plant.mass_flows[0],
-            plant.mass_flows[1],
-            plant.actuator_force,
-            plant.friction,
-        ]
+        let seen = &self.observation;
+        let of_controller =
+            [self.time, seen.setpoint.into(), seen.position.into(), seen.error.into(), seen.command.into()];
+        let mut values = [0.0; COLUMNS.len()];
+        let (first, others) = values.split_at_mut(OF_CONTROLLER.len());
+        first.copy_from_slice(&of_controller);
+        others.iter_mut().zip(&QUANTITIES).for_each(|(value, quantity)| *value = (quantity.of)(&self.plant));
+        values
     }
 }
 

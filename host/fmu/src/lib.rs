@@ -39,6 +39,7 @@ pub mod model;
 pub mod part;
 pub mod signal;
 pub mod standard;
+mod tunable;
 pub mod variable;
 
 pub use instance::Instance;

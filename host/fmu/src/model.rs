@@ -104,9 +104,9 @@ pub fn inputs(part: Part, rig: &Rig) -> Vec<Signal> {
 #[must_use]
 pub fn outputs(part: Part, rig: &Rig) -> Vec<Signal> {
     match part {
-        Part::Plant => plant::OUTPUTS.to_vec(),
+        Part::Plant => plant::outputs(),
         Part::Controller => controller::outputs(rig),
-        Part::Drive => [plant::OUTPUTS.to_vec(), controller::outputs(rig)].concat(),
+        Part::Drive => [plant::outputs(), controller::outputs(rig)].concat(),
     }
 }
 

@@ -13,13 +13,13 @@
 
 use anyhow::{Result, bail};
 use pneudrive_sim::Rig;
-use pneudrive_sim::key::Typed;
 use pneudrive_sim::keys;
 use pneudrive_sim::rig::{Key, Kind as KeyKind, Value as KeyValue, all_keys, unit};
 
 use crate::model;
 use crate::part::Part;
 use crate::signal::{Kind, Signal, Value};
+use crate::tunable::{GAINS, OF_RUNNING_PLANT};
 
 /// The purpose of a variable.
 #[derive(Clone, Copy, Debug)]
@@ -181,28 +181,6 @@ fn own_parameters(part: Part) -> Vec<Variable> {
     let of_controller = part.has_controller().then_some(run_test);
     of_controller.into_iter().chain(part.has_plant().then_some(seed)).collect()
 }
-
-/// Keys of the plant that may change while it runs.
-pub(crate) const OF_RUNNING_PLANT: [&Typed<f64>; 9] = [
-    &keys::supply::PRESSURE_PA,
-    &keys::load::MASS_KG,
-    &keys::load::VISCOUS_N_S_PER_M,
-    &keys::load::CONSTANT_FORCE_N,
-    &keys::load::SPRING_N_PER_M,
-    &keys::friction::STATIC_EXTEND_N,
-    &keys::friction::COULOMB_EXTEND_N,
-    &keys::friction::STATIC_RETRACT_N,
-    &keys::friction::COULOMB_RETRACT_N,
-];
-
-/// Keys of the controller that may.
-const GAINS: [&Key; 5] = [
-    &keys::controller::PROPORTIONAL_GAIN.key,
-    &keys::controller::INTEGRAL_GAIN.key,
-    &keys::controller::VELOCITY_GAIN.key,
-    &keys::controller::ACCELERATION_GAIN.key,
-    &keys::controller::PRESSURE_FEEDBACK_GAIN.key,
-];
 
 /// Keys under `controller` and `test` that belong to the plant: when commands take effect, and the state at the start.
 const OF_PLANT: [&str; 7] = [

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use anyhow::{Context, Result};
 use pneudrive_controller as controller;
 use pneudrive_sim::Accuracy;
-use pneudrive_sim::plant::Snapshot;
+use pneudrive_sim::plant::{QUANTITIES, Snapshot};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
@@ -58,28 +58,8 @@ struct Row {
     sample: controller::Sample,
 }
 
-/// A column of rows.
-type Of<T> = (&'static str, fn(&Row) -> T);
-
-/// The state, SI except where the name says otherwise.
-const STATE: [Of<f64>; 13] = [
-    ("time_s", |row| row.time_s),
-    ("position_m", |row| row.seen.position),
-    ("velocity_m_s", |row| row.seen.velocity),
-    ("acceleration_m_s2", |row| row.seen.acceleration),
-    ("pressure_1_pa", |row| row.seen.pressures[0]),
-    ("pressure_2_pa", |row| row.seen.pressures[1]),
-    ("temperature_1_k", |row| row.seen.temperatures[0]),
-    ("temperature_2_k", |row| row.seen.temperatures[1]),
-    ("spool_mm", |row| 1e3 * row.seen.spool),
-    ("mass_flow_1_kg_s", |row| row.seen.mass_flows[0]),
-    ("mass_flow_2_kg_s", |row| row.seen.mass_flows[1]),
-    ("actuator_force_n", |row| row.seen.actuator_force),
-    ("friction_n", |row| row.seen.friction),
-];
-
 /// The readings of the sensors.
-const READINGS: [Of<i32>; 5] = [
+const READINGS: [(&str, fn(&Row) -> i32); 5] = [
     ("position_counts", |row| row.sample.position),
     ("pressure_1_raw", |row| row.sample.pressure_1.into()),
     ("pressure_2_raw", |row| row.sample.pressure_2.into()),
@@ -88,11 +68,14 @@ const READINGS: [Of<i32>; 5] = [
 ];
 
 fn columns(rows: &[Row]) -> Columns {
-    let state =
-        STATE.iter().map(|(name, of)| ((*name).to_owned(), Column::Float(rows.iter().map(of).collect())));
+    let column = |name: &str, of: &dyn Fn(&Row) -> f64| {
+        (name.to_owned(), Column::Float(rows.iter().map(of).collect()))
+    };
+    let time = column("time_s", &|row| row.time_s);
+    let seen = QUANTITIES.iter().map(|quantity| column(quantity.name, &|row| (quantity.of)(&row.seen)));
     let read =
         READINGS.iter().map(|(name, of)| ((*name).to_owned(), Column::Int(rows.iter().map(of).collect())));
-    state.chain(read).collect()
+    std::iter::once(time).chain(seen).chain(read).collect()
 }
 
 impl Made {
@@ -230,15 +213,16 @@ impl Plant {
         Ok(())
     }
 
-    /// The state at the present sample, SI except where the name says otherwise.
+    /// The time and the quantities of the plant at the present sample, SI except where the name says otherwise.
     #[getter]
     fn state<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         self.now.check()?;
         let (now, period_us) = (&mut self.now, self.made.period_us);
         let row = py.detach(|| work::at_once(|| now.row(period_us)))?;
         let dict = PyDict::new(py);
-        for (name, of) in STATE {
-            dict.set_item(name, of(&row))?;
+        dict.set_item("time_s", row.time_s)?;
+        for quantity in &QUANTITIES {
+            dict.set_item(quantity.name, (quantity.of)(&row.seen))?;
         }
         Ok(dict)
     }

@@ -18,6 +18,7 @@ use crate::component::air::ChamberAir;
 use crate::component::friction::Contact;
 use crate::component::operator::SpoolLaw;
 use crate::number::Number;
+use crate::snapshot::{QUANTITIES, Quantity, Snapshot};
 
 /// Why there is no linear system.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -85,19 +86,13 @@ const SENSORS: [State; 2] = [
 const PRESSURE: [usize; 2] = slot::EXNER;
 const TEMPERATURE: [usize; 2] = slot::MASS;
 
-const OUTPUTS: [&str; 11] = [
-    "position_m",
-    "velocity_m_s",
-    "acceleration_m_s2",
-    "pressure_1_pa",
-    "pressure_2_pa",
-    "temperature_1_k",
-    "temperature_2_k",
-    "spool_mm",
-    "mass_flow_1_kg_s",
-    "mass_flow_2_kg_s",
-    "actuator_force_n",
-];
+/// Quantities that no output has: both jump.
+const NO_OUTPUT: [&str; 2] = ["spool_command_mm", "friction_n"];
+
+/// The quantities of the outputs.
+fn outputs() -> impl Iterator<Item = &'static Quantity> {
+    QUANTITIES.iter().filter(|quantity| !NO_OUTPUT.contains(&quantity.name))
+}
 
 /// The larger step of the differences over the size of a state. A land bends within its clearance of micrometres, and
 /// flows are exact to some 1e-13 of themselves.
@@ -165,14 +160,14 @@ impl Assembly {
         let (b, d) = by_command.split_at(n);
         Ok(LinearModel {
             states: equations.states.iter().map(|state| state.0).collect(),
-            outputs: OUTPUTS.to_vec(),
+            outputs: outputs().map(|quantity| quantity.name).collect(),
             state,
             rates,
             command_counts: command,
             output,
             a: (0..n).map(row).collect(),
             b: b.to_vec(),
-            c: (n..n + OUTPUTS.len()).map(row).collect(),
+            c: (n..n + outputs().count()).map(row).collect(),
             d: d.to_vec(),
         })
     }
@@ -263,21 +258,20 @@ impl Equations {
             rates[TEMPERATURE[i]] =
                 point[TEMPERATURE[i]] * (pressure_rate / point[PRESSURE[i]] + growth - mass_rate / mass);
         }
-        let outputs: [f64; OUTPUTS.len()] = [
-            point[slot::POSITION],
-            point[slot::VELOCITY],
-            rates[slot::VELOCITY],
-            point[PRESSURE[0]],
-            point[PRESSURE[1]],
-            point[TEMPERATURE[0]],
-            point[TEMPERATURE[1]],
-            1e3 * point[slot::SPOOL],
-            flows.lane(0),
-            flows.lane(1),
-            force,
-        ];
+        let seen = Snapshot {
+            position: point[slot::POSITION],
+            velocity: point[slot::VELOCITY],
+            acceleration: rates[slot::VELOCITY],
+            pressures: PRESSURE.map(|place| point[place]),
+            temperatures: TEMPERATURE.map(|place| point[place]),
+            spool: point[slot::SPOOL],
+            spool_command: f64::NAN,
+            mass_flows: flows.to_array(),
+            actuator_force: force,
+            friction: f64::NAN,
+        };
         let rates = self.states.iter().map(|State(_, place, units)| units * rates[*place]);
-        rates.chain(outputs).collect()
+        rates.chain(outputs().map(|quantity| (quantity.of)(&seen))).collect()
     }
 }
 

@@ -4,12 +4,12 @@ use anyhow::Result;
 use pneudrive_controller::{Command, Sample};
 use pneudrive_sim::component::load::Load;
 use pneudrive_sim::component::operator::OperatorKind;
-use pneudrive_sim::plant::Snapshot;
+use pneudrive_sim::plant::QUANTITIES;
 use pneudrive_sim::{Accuracy, Rig, keys};
 
 use super::taken::integer;
 use crate::signal::{Kind, Signal, Value};
-use crate::variable::OF_RUNNING_PLANT;
+use crate::tunable::OF_RUNNING_PLANT;
 
 /// The plant at a sample.
 #[derive(Clone, Debug)]
@@ -49,21 +49,12 @@ const fn whole(name: &'static str, meaning: &'static str) -> Signal {
     Signal { name, kind: Kind::Int32, meaning, range: None }
 }
 
-/// Its outputs, in their order.
-pub const OUTPUTS: [Signal; 18] = [
-    real("position_m", "Position of the load from the retracted end."),
-    real("velocity_m_s", "Velocity of the load."),
-    real("acceleration_m_s2", "Acceleration of the load."),
-    real("pressure_1_pa", "Absolute pressure in chamber 1, the blind side."),
-    real("pressure_2_pa", "Absolute pressure in chamber 2, the rod side."),
-    real("temperature_1_k", "Temperature in chamber 1."),
-    real("temperature_2_k", "Temperature in chamber 2."),
-    real("spool_mm", "Spool displacement."),
-    real("spool_command_mm", "Spool displacement that the command in force asks for."),
-    real("mass_flow_1_kg_s", "Mass flow into chamber 1."),
-    real("mass_flow_2_kg_s", "Mass flow into chamber 2."),
-    real("actuator_force_n", "Force of the cylinder."),
-    real("friction_n", "Dry friction, positive against extension."),
+/// Its outputs, in their order: the quantities of the plant, then the readings of its sensors.
+pub fn outputs() -> Vec<Signal> {
+    QUANTITIES.iter().map(|quantity| real(quantity.name, quantity.meaning)).chain(READINGS).collect()
+}
+
+const READINGS: [Signal; 5] = [
     whole("position_counts", "What the encoder counts."),
     whole("pressure_1_raw", "Pressure in chamber 1 as converted."),
     whole("pressure_2_raw", "Pressure in chamber 2 as converted."),
@@ -120,27 +111,13 @@ impl Plant {
         self.advance(Command { counts, step, drive_enable: true })
     }
 
-    /// In the order of [`OUTPUTS`].
+    /// In the order of [`outputs`].
     pub fn outputs(&mut self) -> Result<Vec<Value>> {
-        let seen: Snapshot = self.plant.look((self.k * self.period_us) as f64 / 1e6)?;
+        let seen = self.plant.look((self.k * self.period_us) as f64 / 1e6)?;
         let Sample { position, pressure_1, pressure_2, spool, home_switch } = self.sample;
-        let real = [
-            seen.position,
-            seen.velocity,
-            seen.acceleration,
-            seen.pressures[0],
-            seen.pressures[1],
-            seen.temperatures[0],
-            seen.temperatures[1],
-            1e3 * seen.spool,
-            1e3 * seen.spool_command,
-            seen.mass_flows[0],
-            seen.mass_flows[1],
-            seen.actuator_force,
-            seen.friction,
-        ];
+        let real = QUANTITIES.iter().map(|quantity| Value::Float((quantity.of)(&seen)));
         let whole = [position, pressure_1.into(), pressure_2.into(), spool.into()];
         let whole = whole.map(|value| Value::Integer(value.into()));
-        Ok(real.map(Value::Float).into_iter().chain(whole).chain([Value::Switch(home_switch)]).collect())
+        Ok(real.chain(whole).chain([Value::Switch(home_switch)]).collect())
     }
 }
