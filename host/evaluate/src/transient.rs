@@ -299,6 +299,13 @@ impl Transient {
         }
     }
 
+    /// Gives its error in counts of this length, mm, as a transient from another encoder has it.
+    pub fn error_in_counts_of(&mut self, mm_per_count: f64) {
+        let factor = self.mm_per_count / mm_per_count;
+        let band = self.band.iter_mut().flat_map(|band| [&mut band.low[ERROR], &mut band.high[ERROR]]);
+        band.chain([&mut self.channels[ERROR]]).flatten().for_each(|error| *error *= factor);
+    }
+
     /// Moves it in time, s.
     pub fn shift(&mut self, by: f64) {
         self.time.iter_mut().chain(self.gaps.as_flattened_mut()).for_each(|time| *time += by);

@@ -2,12 +2,13 @@
 
 use pneudrive_evaluate::alignment::Align;
 use pneudrive_evaluate::deviation::{deviations, table};
+use pneudrive_evaluate::evaluation::{self, Chambers, Motion, moves, refuse_other_rig, tolerance_mm};
 use pneudrive_evaluate::known::replay_of_rig;
 use pneudrive_evaluate::transient::{CHANNELS, Transient};
 use pneudrive_records::run_folder::StoredRun;
 use pneudrive_records::target::TargetFile;
 use pneudrive_sim::trace::Extra;
-use pneudrive_sim::{Accuracy, run};
+use pneudrive_sim::{Accuracy, Rig, run};
 use serde::Deserialize;
 use serde_json::{Value, json};
 
@@ -102,7 +103,9 @@ impl Record {
 pub fn answer(Compared { asked, record, align }: &Compared) -> Result<Vec<u8>, HttpRefusal> {
     let mut recorded = record.transient()?;
     recorded.extras = record.known(asked);
+    let figures = figures(record, &recorded, &asked.rig()?);
     let simulated = simulated(asked)?;
+    recorded.error_in_counts_of(simulated.mm_per_count);
     let shift =
         align.shift(&simulated, &recorded).map_err(|error| HttpRefusal::wrong(format!("{error:#}")))?;
     recorded.shift(shift);
@@ -112,9 +115,18 @@ pub fn answer(Compared { asked, record, align }: &Compared) -> Result<Vec<u8>, H
     }
     let shifted = if shift == 0.0 { String::new() } else { format!(", shifted by {:.3} ms", 1e3 * shift) };
     let heading = format!("deviation of the simulation, one run, from {}{shifted}", record.title());
-    let head =
-        json!({ "name": record.name, "shift_s": shift, "deviation": to_json(&table(&heading, &found)) });
+    let head = json!({ "name": record.name, "shift_s": shift, "figures": figures, "deviation": to_json(&table(&heading, &found)) });
     Ok(curves(&recorded).to_bytes(head))
+}
+
+/// The figures of a record's own moves, with the air only where it is of the same cylinder.
+fn figures(record: &Record, recorded: &Transient, rig: &Rig) -> Value {
+    let chambers = refuse_other_rig(recorded, rig).is_ok().then(|| Chambers::of(rig));
+    let tolerance_mm = tolerance_mm(Some(rig));
+    let moves = moves(recorded, &Motion::of(recorded), chambers.as_ref(), tolerance_mm);
+    let mut table = evaluation::table(&[moves], tolerance_mm);
+    table.heading = format!("{}: {}", record.title(), table.heading);
+    to_json(&table)
 }
 
 impl Record {

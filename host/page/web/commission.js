@@ -8,6 +8,7 @@ import { asked } from './dialog.js';
 import { offer } from './export.js';
 import { Orders } from './orders.js';
 import { Parameters } from './parameters.js';
+import { Readouts } from './readouts.js';
 import { Scope } from './scope.js';
 import { html } from './svg.js';
 
@@ -17,11 +18,15 @@ const ALIVE = 100;
 /** How often a held button is confirmed, ms. */
 const HELD = 100;
 
+/** Rates of a jog, mm/s, and lengths of a step, mm. */
+const RATES = [1, 2, 5, 10, 20, 50];
+const STEPS = [0.05, 0.1, 0.5, 1, 5, 10, 50];
+
 /** Orders that leave the message of the server as it is. */
 const QUIET = ['alive', 'retract', 'extend'];
 
 /**
- * The panel of the drive. `callbacks.rig()` is the rig of the page; `callbacks.seen(run, begun, cursor)` hears what is to be on the graphs,
+ * The panel of the drive, and its figures in large letters. `callbacks.rig()` is the rig of the page, `callbacks.stroke()` its stroke, mm; `callbacks.seen(run, begun, cursor)` hears what is to be on the graphs,
  * `callbacks.ended()` that they are free, `callbacks.alarm(text)` what every view must show, or '', `callbacks.recorded({ name, text })` of a record, `callbacks.identify(name)` that the values of the rig
  * are to be found from it; `callbacks.hasRecord(name)` says whether it lies on the page.
  */
@@ -43,12 +48,16 @@ export class Commission {
   #said = null;
   /** Whether what is told stays when the server takes its message back: letting a button go is no answer to it. */
   #stays = false;
+  /** The last look at the drive. */
+  #look = {};
+  #readouts;
   #scope;
   #parameters;
   #bringUp;
 
-  constructor(element, server, callbacks) {
+  constructor(element, readouts, server, callbacks) {
     this.#element = element;
+    this.#readouts = new Readouts(readouts);
     this.#server = server;
     this.#callbacks = callbacks;
     const ask = (question, more) => server.post('/api/ask', { number: this.#number, ask: question, ...more });
@@ -67,6 +76,10 @@ export class Commission {
       this.#parts[name] = made;
       return made;
     };
+    const choice = (name, label, values, first, unit) => {
+      this.#parts[name] = html('select', { id: `jog-${name}` }, ...values.map((value) => html('option', { value, selected: value === first }, String(value))));
+      return [html('label', { for: `jog-${name}` }, label), this.#parts[name], unit];
+    };
     const link = html('button', { type: 'button', class: 'main' }, 'Take command');
     link.addEventListener('click', () => (this.#end ? this.leave() : this.#take()));
     this.#parts.link = link;
@@ -74,13 +87,14 @@ export class Commission {
     this.#parts.why = html('span', {});
     this.#parts.message = html('p', { class: 'problem', role: 'alert' });
     this.#parts.mm = html('input', { type: 'text', id: 'go-mm', inputmode: 'decimal', size: 8 });
-    const go_there = () => this.#order('go', { mm: Number(this.#parts.mm.value || NaN), rig: this.#callbacks.rig() });
+    const go_there = () => this.#go(Number(this.#parts.mm.value || NaN));
     this.#parts.mm.addEventListener('keydown', (event) => { if (event.key === 'Enter') go_there(); });
     this.#element.replaceChildren(
       html('h2', {}, 'Commission'), html('p', {}, `Rig at ${port} `, link),
       html('p', { role: 'status' }, this.#parts.mode, ' ', this.#parts.why), this.#parts.message,
       html('p', { class: 'row' }, button('arm', 'Arm', () => this.#order('arm')), button('disarm', 'Disarm', () => this.#order('disarm'))),
-      html('p', { class: 'row' }, this.#jog('retract', '◀ Retract'), this.#jog('extend', 'Extend ▶'), html('small', {}, `while held, ${jog} mm/s`)),
+      html('p', { class: 'row' }, this.#jog('retract', '◀ Retract'), this.#jog('extend', 'Extend ▶'), ...choice('rate', 'while held, at', RATES, jog, 'mm/s')),
+      html('p', { class: 'row' }, button('back', '◀ Step', () => this.#step(-1)), button('on', 'Step ▶', () => this.#step(1)), ...choice('step', 'by', STEPS, 1, 'mm')),
       html('p', { class: 'row' }, html('label', { for: 'go-mm' }, 'Go to'), this.#parts.mm, 'mm', button('go', 'Go', go_there), html('small', {}, `${go} mm/s`)),
       html('p', { class: 'row' }, button('home', 'Home', () => this.#order('home')), button('run', 'Run the test of this page', () => this.#run()),
         button('record', 'Record', () => this.#record()), button('identify', 'Identify', () => this.#callbacks.identify(this.#recorded))),
@@ -147,6 +161,8 @@ export class Commission {
     this.#parts.mode.textContent = 'not connected';
     this.#parts.why.textContent = '';
     this.#enable(null);
+    this.#look = {};
+    this.#readouts.show();
     this.#bringUp.ended();
     this.#callbacks.ended();
   }
@@ -163,6 +179,8 @@ export class Commission {
     this.#parts.mode.textContent = line.mode;
     this.#parts.mode.className = `mode ${line.mode}`;
     this.#parts.why.textContent = line.fault || (line.referenced ? '' : 'the axis is not referenced: home it first');
+    this.#look = line;
+    this.#readouts.show(line);
     this.#hear(line.message);
     this.#enable(line);
     this.#scope.heard(line);
@@ -178,12 +196,13 @@ export class Commission {
   /** Buttons that do something now. */
   #enable(look) {
     const isThere = look !== null && look.mode !== 'connecting';
-    const { arm, disarm, retract, extend, go, home, run, record } = this.#parts;
+    const { arm, disarm, retract, extend, back, on, go, home, run, record } = this.#parts;
     const isFree = isThere && !this.#bringUp.isOn && !this.#isRecording;
     arm.disabled = !isFree || look.is_enabled;
     disarm.disabled = !isThere || !look.is_enabled;
     const canMove = isFree && look.mode !== 'fault';
     for (const button of [retract, extend, go, run]) button.disabled = !canMove || !look.referenced;
+    for (const button of [back, on]) button.disabled = go.disabled || ['homing', 'running', 'approaching'].includes(look.mode);
     home.disabled = !canMove;
     record.disabled = !isFree || ['homing', 'running', 'approaching'].includes(look.mode);
     if (look?.mode === 'approaching') run.disabled = true;
@@ -234,6 +253,27 @@ export class Commission {
     }
   }
 
+  /** Goes to a place, mm; what is out of reach is not sent. */
+  #go(mm) {
+    const [least, most] = this.#reach;
+    if (!Number.isFinite(mm)) this.#tell('give the place in mm; nothing was sent');
+    else if (mm < least || mm > most) this.#tell(`${mm} mm is out of reach: the drive goes from ${least.toFixed(1)} to ${most.toFixed(1)} mm; nothing was sent`);
+    else this.#order('go', { mm, rig: this.#callbacks.rig() });
+  }
+
+  /** The soft limits of the drive within the stroke, mm. */
+  get #reach() {
+    const [least, most] = this.#look.limits_mm ?? [null, null];
+    const stroke = this.#callbacks.stroke() ?? Infinity;
+    return [Math.max(least ?? 0, 0), Math.min(most ?? stroke, stroke)];
+  }
+
+  /** Goes a step on from where the drive is to stand, or stands if nothing says where. */
+  #step(way) {
+    const from = this.#look.setpoint ?? this.#look.position;
+    this.#go(Number((from + way * Number(this.#parts.step.value)).toFixed(3)));
+  }
+
   /** A button that moves the drive while it is held, by pointer or by keyboard. */
   #jog(order, text) {
     const button = html('button', { type: 'button', class: 'jog', disabled: true }, text);
@@ -242,7 +282,7 @@ export class Commission {
       // Takes back what was told of the order before.
       this.#order('release');
       this.#tell('');
-      const confirm = () => this.#order(order, { rig: this.#callbacks.rig() }, () => this.#held === held);
+      const confirm = () => this.#order(order, { rig: this.#callbacks.rig(), mm_per_s: Number(this.#parts.rate.value) }, () => this.#held === held);
       const held = setInterval(() => {
         // Whoever holds it does not see the drive any more.
         if (document.hidden) return this.#release();

@@ -32,14 +32,15 @@ export class Figures {
     this.#table.replaceChildren(tableOf(figures, false));
   }
 
-  /** Shows how far the simulation is from the records that lie over it, below the figures of the moves. */
-  showDeviations(tables) {
-    this.#table.querySelectorAll('table.deviation').forEach((table) => table.remove());
-    for (const table of tables) {
-      const shown = tableOf(table, false);
-      shown.className = 'deviation';
-      this.#table.append(shown);
-    }
+  /** Shows the figures of the records themselves below those of the run, and how far the run is from each record. */
+  showRecords(records) {
+    this.#table.querySelectorAll('table.recorded, table.deviation').forEach((table) => table.remove());
+    const shown = (kind, table) => {
+      const made = tableOf(table, false);
+      made.className = kind;
+      return made;
+    };
+    for (const { figures, deviation } of records) this.#table.append(shown('recorded', figures), shown('deviation', deviation));
   }
 
   /** Copies for a report, with what the figures rest on. */

@@ -1,6 +1,7 @@
 // The drive as its components. Spool, chambers and piston stand as they do at the cursor.
 
 import { COMPONENTS } from './components.js';
+import { Incline } from './incline.js';
 import { placeOf } from './scale.js';
 import { place, say, svg } from './svg.js';
 
@@ -22,11 +23,12 @@ export class Picture {
   #groups = {};
   #rig = null;
   #run = null;
+  #incline = new Incline();
 
   constructor(element, callbacks) {
     this.#element = element;
     element.setAttribute('viewBox', '0 0 960 332');
-    element.append(...this.#lines(), ...this.#components(callbacks));
+    element.append(...this.#lines(), ...this.#components(callbacks), this.#incline.element);
   }
 
   /** Shows which component was chosen, and which have problems. */
@@ -48,6 +50,7 @@ export class Picture {
       supply: number('supply.pressure_pa') / 1e3,
       exhaust: number('exhaust.pressure_pa') / 1e3,
     };
+    this.#incline.describe(number('load.incline_deg') ?? 0);
     const words = {
       controller: `${text('controller.law')}, ${text('controller.loop')} loop`,
       period: `every ${round(1e3 * number('controller.period_s'))} ms`,
@@ -108,6 +111,7 @@ export class Picture {
   #movePiston(mm) {
     const x = this.#pistonAt(mm);
     const end = x + PISTON + (BARREL.right - BARREL.left) - LOAD.reach;
+    this.#incline.moveTo(Math.min(Math.max(mm / this.#rig.stroke, 0), 1));
     place(this.#parts.piston, { x });
     place(this.#parts.rod, { x: x + PISTON, width: end - x - PISTON });
     place(this.#parts['rod-left'], { x: x - 150, width: 150 });

@@ -29,7 +29,7 @@ export class Records {
     return this.#records.map(({ run }) => run);
   }
 
-  /** The records themselves: name, content, shift and deviation. The content is what `incoming.js` gives. */
+  /** The records themselves: name, content, shift, figures and deviation. The content is what `incoming.js` gives. */
   get all() {
     return this.#records;
   }
@@ -80,7 +80,7 @@ export class Records {
       const curves = new Map(columns.map((column) => [column.name, column.values]));
       const units = new Map(columns.map((column) => [column.name, column.unit]));
       const run = { label: name, time, curves, units, isRecord: true };
-      const record = { name, content, shift: head.shift_s, deviation: head.deviation, run };
+      const record = { name, content, shift: head.shift_s, figures: head.figures, deviation: head.deviation, run };
       this.#records = [...this.#records.filter((other) => other.name !== name), record];
       this.#callbacks.changed();
     } catch (error) {

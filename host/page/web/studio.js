@@ -51,6 +51,8 @@ class Studio {
   #origins = '';
   /** What has just been done. */
   #news = '';
+  /** Where the rig is, if there is one. */
+  #port = null;
 
   constructor(keys, rigs) {
     this.#keys = keys;
@@ -71,8 +73,9 @@ class Studio {
       ensemble: (result) => this.#judged(result),
       failed: (error) => this.#failed(error),
     });
-    this.commission = new Commission(part('commission'), { post, lines }, {
+    this.commission = new Commission(part('commission'), part('readouts'), { post, lines }, {
       rig: () => this.#asked(),
+      stroke: () => 1e3 * this.#state.values['actuator.stroke_m']?.number || undefined,
       seen: (...seen) => this.#followRig(...seen),
       recorded: (record) => this.records.lay(record),
       hasRecord: (name) => this.records.all.some((record) => record.name === name),
@@ -96,6 +99,7 @@ class Studio {
       rig: () => this.#asked(),
       state: () => this.#state,
       records: () => this.records.all.map(({ content }) => content).filter(({ text }) => text !== undefined),
+      port: () => this.#port,
       open: () => part('file').click(),
       take: (settings) => this.#take(settings),
     });
@@ -257,6 +261,7 @@ class Studio {
   offer(port) {
     offerViews(Boolean(port.port), () => this.study.show());
     if (!port.port) return;
+    this.#port = port.port;
     this.commission.show(port);
     part('stop').hidden = false;
     part('stop').addEventListener('click', () => this.commission.stop());
@@ -306,7 +311,7 @@ class Studio {
 
   #recordsChanged() {
     this.#show();
-    this.#figures.showDeviations(this.records.all.map(({ deviation }) => deviation));
+    this.#figures.showRecords(this.records.all);
     this.study?.show();
     this.commission.recordsChanged();
   }

@@ -19,7 +19,7 @@ const TASKS = {
 const PAUSE = 150;
 
 /**
- * The panel of studies. `callbacks.rig()`, `callbacks.state()` and `callbacks.records()` are those of the page; `callbacks.take(settings)` hears
+ * The panel of studies. `callbacks.rig()`, `callbacks.state()` and `callbacks.records()` are those of the page; `callbacks.port()` is where the rig is, `callbacks.take(settings)` hears
  * of values to be taken over, and `callbacks.open()` asks the user for a file.
  */
 export class Study {
@@ -96,8 +96,9 @@ export class Study {
       at: html('p', { id: 'study-at', role: 'status' }), problem: html('p', { class: 'problem', role: 'alert' }),
     };
     bar.hidden = true;
+    this.#parts.excitation = html('p', { id: 'study-excitation', role: 'status' });
     element.replaceChildren(html('h2', {}, 'Study'), html('p', { class: 'row', role: 'group', 'aria-label': 'Task' }, ...tasks),
-      this.#parts.about, this.#parts.form, html('p', { class: 'row' }, start, this.#parts.size), bar, this.#parts.at, this.#parts.problem,
+      this.#parts.about, this.#parts.form, html('p', { class: 'row' }, start, this.#parts.size), bar, this.#parts.at, this.#parts.problem, this.#parts.excitation,
       html('label', { for: 'study-command' }, 'The same at the command line'), html('p', { class: 'row' }, command, copy), html('p', {}, file));
   }
 
@@ -107,6 +108,7 @@ export class Study {
     if (name !== this.#task) [this.#plan, command.value, size.textContent, problem.textContent, file.disabled] = [{}, '', '', '', true];
     this.#task = name;
     at.textContent = '';
+    this.#parts.excitation.replaceChildren();
     for (const button of tasks) button.setAttribute('aria-pressed', String(button.dataset.task === name));
     words.textContent = TASKS[name].about;
     file.hidden = name !== 'sweep';
@@ -182,12 +184,24 @@ export class Study {
     } catch (error) {
       this.#working('Start', signal.aborted ? 'cancelled: nothing has changed' : '');
       if (!signal.aborted) [this.#parts.problem.textContent, this.#isOfPlan] = [reasonOf(error), false];
+      if (!signal.aborted) this.#offerPlan();
     }
     this.#end = null;
   }
 
+  /** An identification without an answer needs other records: those of a plan, which moves the drive so that its values show. */
+  #offerPlan() {
+    if (!this.#plan.excitation) return;
+    const command = html('input', { id: 'study-plan', readonly: true, value: this.#plan.excitation.replace('PORT', this.#callbacks.port() ?? 'PORT') });
+    const copy = html('button', { type: 'button' }, 'Copy');
+    copy.addEventListener('click', () => copyFrom(command, copy));
+    const label = html('label', { for: 'study-plan' }, 'These records do not tell the values. The tests of a plan do; leave the drive first, then run');
+    this.#parts.excitation.replaceChildren(label, command, ' ', copy);
+  }
+
   #working(button, words) {
-    const { start, bar, at, problem, tasks } = this.#parts;
+    const { start, bar, at, problem, tasks, excitation } = this.#parts;
+    excitation.replaceChildren();
     const isAtWork = button === 'Cancel';
     [start.textContent, at.textContent, problem.textContent, bar.hidden] = [button, words, '', !isAtWork];
     bar.removeAttribute('value');
@@ -208,6 +222,7 @@ export class Study {
     });
     this.#offered = { take, what: html('small', {}), settings, rig: { name, text } };
     this.#weigh();
+    if (task === 'identify' && settings.length === 0) this.#offerPlan();
     // A single key has a graph of its own.
     const hasMany = task === 'sweep' && result.rows.length > 1 && Object.keys(result.rows[0].levels).length > 1;
     showReport(this.#exhibit, page, command, [take, this.#offered.what], hasMany ? [parallelOf(result)] : []);

@@ -4,7 +4,7 @@ import { writeAddress } from './address.js';
 
 const VIEWS = {
   design: ['verdict', 'drive', 'inspector', 'figures', 'same'],
-  commission: ['verdict', 'drive', 'commission', 'figures', 'same'],
+  commission: ['readouts', 'verdict', 'drive', 'commission', 'figures', 'same'],
   study: ['exhibit', 'study'],
 };
 

@@ -11,7 +11,7 @@ use pneudrive_records::units::Units;
 use pneudrive_records::words;
 use pneudrive_session::drive;
 use pneudrive_session::record::to_memory;
-use pneudrive_session::slow_move::{self, Standing};
+use pneudrive_session::slow_move::{self, JOG_MM_PER_S, Standing};
 use pneudrive_session::streaming::ToFile;
 use pneudrive_session::test_run::TestRun;
 use pneudrive_sim::component::controller::Loop;
@@ -306,7 +306,7 @@ impl Drive {
     #[pyo3(signature = (rig, mm, /))]
     fn jog(&self, py: Python<'_>, rig: RigOrSource, mm: f64) -> PyResult<f64> {
         self.move_slowly(py, &rig.0.rig, |rig, standing| {
-            slow_move::jog(rig, &standing.there, standing.from_mm, mm)
+            slow_move::jog(rig, &standing.there, standing.from_mm, mm, JOG_MM_PER_S)
         })
     }
 

@@ -117,6 +117,7 @@ pub fn overlay(py: Python<'_>, reference: Source, others: Vec<Source>, align: &s
         let mut other = other.transient()?;
         let shift = work::at_once(|| shift(align, &reference, &other))?;
         other.shift(shift);
+        other.error_in_counts_of(reference.mm_per_count);
         let found = work::at_once(|| compared(&reference, &other))?;
         let heading = format!("deviation of {} from {}", other.name, reference.name);
         let table = deviation::table(&heading, &found);

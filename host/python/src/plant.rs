@@ -58,8 +58,11 @@ struct Row {
     sample: controller::Sample,
 }
 
+/// A reading of a sensor, by name.
+type Reading = (&'static str, fn(&Row) -> i32);
+
 /// The readings of the sensors.
-const READINGS: [(&str, fn(&Row) -> i32); 5] = [
+const READINGS: [Reading; 5] = [
     ("position_counts", |row| row.sample.position),
     ("pressure_1_raw", |row| row.sample.pressure_1.into()),
     ("pressure_2_raw", |row| row.sample.pressure_2.into()),

@@ -64,6 +64,17 @@ def test_an_overlay_tells_the_deviation_of_each_channel(run: Run, rig: Rig) -> N
     assert shifted.shifts_s[0] != 0.0
 
 
+def test_the_error_of_a_finer_encoder_is_compared_in_counts_of_the_reference(run: Run, rig: Rig) -> None:
+    fine = rig.with_(
+        encoder__mm_per_count=rig.encoder.mm_per_count / 2,
+        test__moves=[[time, 2 * count] for time, count in rig.test.moves],
+    )
+    found = pneudrive.overlay(run, fine.simulate(ensemble=1, check_convergence=False))
+    largest = np.abs(run.transient()["error_counts"]).max()
+    finer = np.abs(found.transients[1]["error_counts"]).max()
+    assert 0.9 * largest < finer < 1.1 * largest, "the same step, in the same counts"
+
+
 def test_what_cannot_be_overlaid_is_refused(run: Run, target: Target) -> None:
     with pytest.raises(TypeError, match="there is nothing to compare"):
         pneudrive.overlay(run)

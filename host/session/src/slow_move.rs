@@ -11,7 +11,7 @@ use pneudrive_sim::component::controller::Loop;
 use pneudrive_sim::component::encoder::mm_per_count;
 use pneudrive_sim::keys;
 
-/// Rate of jogging, mm/s.
+/// Rate of jogging unless another is chosen, mm/s.
 pub const JOG_MM_PER_S: f64 = 10.0;
 
 /// Rate of a move to a place, mm/s.
@@ -106,11 +106,11 @@ pub fn go(rig: &Rig, there: &RigParameters, from_mm: f64, to_mm: f64) -> Result<
 ///
 /// # Errors
 /// When the loop is open.
-pub fn jog(rig: &Rig, there: &RigParameters, from_mm: f64, by_mm: f64) -> Result<Rig> {
+pub fn jog(rig: &Rig, there: &RigParameters, from_mm: f64, by_mm: f64, mm_per_s: f64) -> Result<Rig> {
     let [least, most] = reachable(rig, there);
     let to_mm = from_mm + by_mm.clamp(-JOG_REACH_MM, JOG_REACH_MM);
     let to_mm = if by_mm < 0.0 { to_mm.max(least).min(from_mm) } else { to_mm.min(most).max(from_mm) };
-    slow_move(rig, from_mm, to_mm, JOG_MM_PER_S)
+    slow_move(rig, from_mm, to_mm, mm_per_s)
 }
 
 /// The range of a drive with these parameters in closed loop, mm: within its stroke and its soft limits.
@@ -195,7 +195,7 @@ mod tests {
             (190.0, 30.0, 200.0),
             (210.0, 30.0, 210.0),
         ] {
-            let test = jog(&rig(), &limited, from_mm, by_mm).expect("a test");
+            let test = jog(&rig(), &limited, from_mm, by_mm, JOG_MM_PER_S).expect("a test");
             assert!((end_mm(&test) - to_mm).abs() < 0.02, "{from_mm} by {by_mm}: {}", end_mm(&test));
         }
     }

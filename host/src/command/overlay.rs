@@ -32,6 +32,7 @@ pub(super) fn execute(arguments: &Overlay) -> Result<()> {
             other.shift(shift);
             notes.push(format!("{} is shifted by {:.3} ms.", other.name, 1e3 * shift));
         }
+        other.error_in_counts_of(transients[0].mm_per_count);
         fits_on_a_page(&other)?;
         is_whole_during(&other, &transients[0])?;
         transients.push(other);

@@ -150,6 +150,9 @@ fn a_record_is_handed_to_the_identification_with_one_button() {
     let mass = found.strip_prefix("load.mass_kg=").and_then(|rest| rest.split(',').next());
     let mass: f64 = mass.expect("a mass").parse().expect("a number");
     assert!((mass - 1.8).abs() < 0.018, "{found}");
+    // Its own figures stand beside those of the simulation.
+    let own = page.evaluate("[...document.querySelectorAll('#figures table.recorded caption')].map((one) => one.textContent.split(': ')[0])");
+    assert_eq!(own, json!(["OTHER.DAT", record]));
     // The page commands the drive all the time.
     page.click("#to-commission");
     wait_for_mode(&mut page, "holding");
@@ -337,4 +340,83 @@ fn a_bring_up_is_gone_through_from_the_page_and_its_report_saved() {
     );
     assert_eq!(Client::connect(rig.port()).expect("a rig").status().expect("a status").mode, Mode::Fault);
     assert_eq!(page.complaints, Vec::<String>::new());
+}
+
+/// The figure of the readouts under a name, mm or kPa; None of a word.
+fn readout(page: &mut Browser, figure: &str) -> Option<f64> {
+    page.text(&format!("#readouts [data-figure={figure}]")).parse().ok()
+}
+
+/// What the page has sent to the drive since it was told to keep it.
+const KEEP_ORDERS: &str = "window.sent = []; { const ask = window.fetch; window.fetch = (path, options) => { \
+    if (path.endsWith('/api/order')) sent.push(JSON.parse(options.body)); return ask(path, options); }; }";
+
+fn sent(page: &mut Browser, order: &str) -> serde_json::Value {
+    page.evaluate(&format!("sent.filter((one) => one.order === '{order}')"))
+}
+
+#[test]
+fn position_pressures_and_state_are_legible_from_two_metres_with_stop_at_hand() {
+    let (mut page, _rig, _) = commanding("servo-b-tuned");
+    page.wait_until("parseFloat(document.querySelector('#readouts [data-figure=position]').textContent) > 0");
+    assert!(readout(&mut page, "pressure-1").is_some_and(|kpa| kpa > 90.0));
+    assert_eq!(page.text("#readouts [data-figure=mode]"), "disarmed");
+    for [width, height] in [[1024, 640], [1366, 768]] {
+        let size = json!({ "width": width, "height": height, "deviceScaleFactor": 1, "mobile": false });
+        page.call("Emulation.setDeviceMetricsOverride", size);
+        rest(&mut page);
+        let least = "Math.min(...[...document.querySelectorAll('#readouts strong')].map((one) => parseFloat(getComputedStyle(one).fontSize)))";
+        assert!(page.evaluate(least).as_f64() >= Some(48.0));
+        let is_seen = "['#stop', '#readouts', '#commission .jog', '#go-mm'].every((one) => { \
+            const { top, bottom, left, right } = document.querySelector(one).getBoundingClientRect(); \
+            return top >= 0 && left >= 0 && bottom <= innerHeight && right <= innerWidth; })";
+        assert_eq!(page.evaluate(is_seen), json!(true), "{width} x {height}");
+        let one_line =
+            "new Set([...document.querySelectorAll('#readouts p')].map((one) => one.offsetTop)).size";
+        assert_eq!(page.evaluate(one_line), json!(1), "{width} x {height}");
+    }
+    assert_eq!(page.complaints, Vec::<String>::new());
+}
+
+#[test]
+fn a_place_beyond_the_soft_limits_is_not_sent_and_a_step_goes_on_from_the_setpoint() {
+    let text = builtin("servo-b-tuned").expect("a built-in rig");
+    let limited = Rig::builtin("servo-b-tuned").expect("a built-in rig");
+    let limited = limited.with_settings(&["safety.end_max_mm=200".to_owned()]).expect("valid");
+    let (mut page, _rig, _) = commanding_rig("servo-b-tuned", text, limited, false);
+    page.evaluate(KEEP_ORDERS);
+    for (mm, told) in [
+        ("200.5", "200.5 mm is out of reach: the drive goes from 0.0 to 200.0 mm; nothing was sent"),
+        ("-1", "-1 mm is out of reach"),
+        ("steam", "give the place in mm"),
+    ] {
+        page.type_into("#go-mm", mm);
+        press(&mut page, "Go");
+        let problem = page.text("#commission .problem");
+        assert!(problem.starts_with(told), "{problem}");
+    }
+    rest(&mut page);
+    assert_eq!(sent(&mut page, "go"), json!([]));
+    page.type_into("#go-mm", "150");
+    press(&mut page, "Go");
+    wait_for_mode(&mut page, "running");
+    wait_for_mode(&mut page, "holding");
+    choose(&mut page, "#jog-step", "5");
+    press(&mut page, "Step");
+    page.wait_until("sent.filter((one) => one.order === 'go').length === 2");
+    let to_mm = page.evaluate("sent.filter((one) => one.order === 'go')[1].mm").as_f64().expect("a place");
+    assert!((to_mm - 155.0).abs() < 0.02 || (to_mm - 145.0).abs() < 0.02, "{to_mm} mm");
+    assert_eq!(page.complaints, Vec::<String>::new());
+}
+
+#[test]
+fn a_held_jog_asks_for_the_chosen_rate() {
+    let (mut page, _rig, _) = commanding("servo-b-tuned");
+    page.evaluate(KEEP_ORDERS);
+    choose(&mut page, "#jog-rate", "2");
+    let place = page.middle("#commission .jog:nth-of-type(2)");
+    page.mouse("mousePressed", place);
+    page.wait_until("sent.some((one) => one.order === 'extend')");
+    page.mouse("mouseReleased", place);
+    assert_eq!(page.evaluate("sent.find((one) => one.order === 'extend').mm_per_s"), json!(2));
 }

@@ -2,10 +2,11 @@
 //!
 //! Needs Chromium, so `cargo xtask test web` runs it, and `cargo test --workspace` does not.
 
+use pneudrive_sim::rigfile::builtin;
 use serde_json::{Value, json};
 
 use crate::chromium::Browser;
-use crate::opened::page;
+use crate::opened::{page, page_of};
 
 /// What a button would save: name and text, of a PNG its size in pixels.
 fn saved(page: &mut Browser, button: &str) -> Value {
@@ -92,4 +93,24 @@ fn a_dark_page_is_printed_light() {
     page.evaluate("dispatchEvent(new Event('afterprint'))");
     assert_eq!(grids.map(|grid| is_drawn_in(&mut page, grid)), [json!(false), json!(true)]);
     assert_eq!(page.complaints, Vec::<String>::new());
+}
+
+/// The angle of the small axis beside the drive, degrees clockwise; None where there is none.
+fn drawn_angle(page: &mut Browser) -> Option<f64> {
+    page.evaluate(
+        "(() => { const axis = document.getElementById('incline'); if (getComputedStyle(axis).display === 'none') return null; \
+         const { a, b } = axis.querySelector('.barrel').getCTM(); return Math.round(Math.atan2(b, a) * 180 / Math.PI); })()",
+    )
+    .as_f64()
+}
+
+#[test]
+fn a_vertical_axis_is_drawn_upright_and_an_inclined_one_at_its_angle() {
+    for (degrees, drawn) in [("90", Some(-90.0)), ("-90", Some(90.0)), ("30", Some(-30.0)), ("0", None)] {
+        let text = builtin("servo-b-tuned").expect("a built-in rig");
+        let text = text.replace("[load]\n", &format!("[load]\nincline_deg = {degrees}\n"));
+        let mut page = page_of("inclined.toml", &text);
+        assert_eq!(drawn_angle(&mut page), drawn, "{degrees} degrees");
+        assert_eq!(page.complaints, Vec::<String>::new());
+    }
 }

@@ -310,3 +310,23 @@ fn a_point_that_is_not_sound_is_dashed_and_its_remarks_and_ranges_are_told() {
         assert_eq!(told, json!(format!("1 of 1 points selected: {words}")));
     }
 }
+
+#[test]
+fn an_identification_without_an_answer_offers_the_plan_that_would_give_one() {
+    let mut page = page();
+    drop_file(&mut page, "TARGET01.DAT", include_str!("../../tests/fixtures/TARGET-1.DAT"));
+    page.wait_until("document.querySelector('#runs .record')");
+    page.click("#to-study");
+    page.click("#study [data-task=identify]");
+    leave_unknown(&mut page, &["load.mass_kg"]);
+    page.wait_until("document.getElementById('study-command').value.includes('--fit load.mass_kg')");
+    assert_eq!(page.evaluate("document.getElementById('study-plan')"), json!(null), "nothing has failed yet");
+    page.click("#study-start");
+    page.wait_until("document.getElementById('study-plan')");
+    let plan = page.evaluate("document.getElementById('study-plan').value");
+    assert_eq!(plan, json!("pneudrive identify servo-b-tuned --plan PORT --out plan"));
+    assert_eq!(page.evaluate("document.getElementById('study-take')?.disabled ?? true"), json!(true));
+    page.click("#study [data-task=tune]");
+    assert_eq!(page.evaluate("document.getElementById('study-plan')"), json!(null));
+    assert_eq!(page.complaints, Vec::<String>::new());
+}

@@ -219,6 +219,39 @@ fn a_record_is_compared_with_the_run_as_overlay_does_it() {
     assert_eq!(head["deviation"]["rows"], json!(expected.rows));
 }
 
+/// Below a run of a rig whose encoder counts twice as finely.
+#[test]
+fn the_error_of_a_record_is_in_counts_of_the_run_below_it_and_its_figures_are_its_own() {
+    let rig = pneudrive_sim::rigfile::builtin("servo-b-tuned").expect("a built-in rig");
+    let folder = tempfile::tempdir().expect("a folder");
+    simulate(&Rig::read("servo-b-tuned", rig).expect("a rig"), folder.path());
+    let [run_json, trace_csv] =
+        ["run.json", "trace.csv"].map(|name| fs::read_to_string(folder.path().join(name)).expect("there"));
+    let compare = |settings: &[&str]| {
+        let record = json!({ "name": "before", "run_json": run_json, "trace_csv": trace_csv });
+        let body = json!({ "name": "servo-b-tuned", "text": rig, "settings": settings, "record": record });
+        let answer = ask_as_page(&studio(), Method::POST, "/api/compare", Some(body));
+        assert_eq!(answer.status, StatusCode::OK, "{}", answer.text());
+        let (head, _, column) = columns(&answer.body);
+        (head, column("error").to_vec())
+    };
+    let ((head, same), (other, doubled)) = (compare(&[]), compare(&["encoder.mm_per_count=0.006025"]));
+    assert!(same.iter().any(|error| error.abs() > 100.0));
+    for (counts, double) in same.iter().zip(&doubled) {
+        assert!((2.0 * counts - double).abs() <= 1e-3 * counts.abs(), "{counts} and {double}");
+    }
+    let figures = &head["figures"];
+    assert!(figures["heading"].as_str().is_some_and(|heading| heading.starts_with("before, a run of ")));
+    for figure in ["overshoot", "settled", "steady error"] {
+        let has = |name: &serde_json::Value| name.as_str().is_some_and(|name| name.contains(figure));
+        assert!(figures["columns"].as_array().expect("columns").iter().any(has), "{figures}");
+    }
+    // Another drive has other figures, and the record has not.
+    let second =
+        |head: &serde_json::Value| (1..12).map(|k| head["figures"]["rows"][1][k].clone()).collect::<Vec<_>>();
+    assert_eq!(second(&head), second(&other));
+}
+
 #[test]
 fn a_damaged_record_is_refused_with_its_name() {
     let damaged = RECORD.replacen("servo-b-tuned", "servo-b-tunes", 1);

@@ -38,6 +38,7 @@ impl IdentifyRequest {
         let plural = |count: usize| if count == 1 { "" } else { "s" };
         Ok(json!({
             "command": self.asked.command("identify", &rest),
+            "excitation": self.asked.command("identify", "--plan PORT --out plan"),
             "size": format!("{count} unknown{} in {records} record{}", plural(count), plural(records)),
             "unknowns": usual(&rig).iter().map(unknown).collect::<Vec<_>>(),
         }))

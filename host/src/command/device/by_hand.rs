@@ -4,7 +4,7 @@ use anyhow::Result;
 use pneudrive_link::client::Client;
 use pneudrive_records::rig_info::RigParameters;
 use pneudrive_records::units::Units;
-use pneudrive_session::slow_move::{self, Standing};
+use pneudrive_session::slow_move::{self, JOG_MM_PER_S, Standing};
 use pneudrive_session::test_run::TestRun;
 use pneudrive_sim::Rig;
 use serde_json::json;
@@ -21,7 +21,7 @@ pub(super) fn go(client: &mut Client, rig: &str, to_mm: f64) -> Result<()> {
 }
 
 pub(super) fn jog(client: &mut Client, rig: &str, by_mm: f64) -> Result<()> {
-    moved(client, rig, &|rig, there, from_mm| slow_move::jog(rig, there, from_mm, by_mm))
+    moved(client, rig, &|rig, there, from_mm| slow_move::jog(rig, there, from_mm, by_mm, JOG_MM_PER_S))
 }
 
 /// Moves the drive, which is armed for that and holds afterwards. What is refused changes nothing on it.

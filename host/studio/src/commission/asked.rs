@@ -6,10 +6,14 @@ use axum::http::StatusCode;
 use pneudrive_page::page_rig::PageRig;
 use pneudrive_page::refusal::HttpRefusal;
 use pneudrive_session::bring_up::{MAX_PERCENT, Options, PUSH_WAIT_S};
+use pneudrive_session::slow_move::{GO_MM_PER_S, JOG_MM_PER_S};
 use pneudrive_sim::Rig;
 use serde::Deserialize;
 
 use super::order::{Direction, Order, Stopped, Task};
+
+/// Slowest jog, mm/s.
+const MIN_JOG_MM_PER_S: f64 = 0.5;
 
 /// A request with the number of its page. Only a stop needs none.
 #[derive(Debug, Deserialize)]
@@ -33,15 +37,15 @@ pub enum Orders {
     Answer { question: u32, yes: bool },
     Run { rig: PageRig, from_mm: Option<f64> },
     Go { mm: f64, rig: PageRig },
-    Extend { rig: PageRig },
-    Retract { rig: PageRig },
+    Extend { rig: PageRig, mm_per_s: Option<f64> },
+    Retract { rig: PageRig, mm_per_s: Option<f64> },
 }
 
 impl Orders {
     /// The order for the thread of the page. `stopped` is told when a stop is done.
     ///
     /// # Errors
-    /// When the request's rig is invalid, or a place is not a number.
+    /// When the request's rig is invalid, a place is not a number, or a jog is too fast.
     pub fn order(self, stopped: Stopped) -> Result<Order, HttpRefusal> {
         Ok(match self {
             Orders::Alive => Order::Alive,
@@ -55,10 +59,17 @@ impl Orders {
             Orders::Run { rig, from_mm } => Order::Run(read(&rig)?, from_mm),
             Orders::Go { mm, .. } if !mm.is_finite() => return Err(wrong("give the place in mm")),
             Orders::Go { mm, rig } => Order::Go(mm, read(&rig)?),
-            Orders::Extend { rig } => Order::Jog(Direction::Extend, read(&rig)?),
-            Orders::Retract { rig } => Order::Jog(Direction::Retract, read(&rig)?),
+            Orders::Extend { rig, mm_per_s } => Order::Jog(Direction::Extend, rate(mm_per_s)?, read(&rig)?),
+            Orders::Retract { rig, mm_per_s } => Order::Jog(Direction::Retract, rate(mm_per_s)?, read(&rig)?),
         })
     }
+}
+
+/// The rate of a jog, mm/s.
+fn rate(asked: Option<f64>) -> Result<f64, HttpRefusal> {
+    let rate = asked.unwrap_or(JOG_MM_PER_S);
+    let is_slow = (MIN_JOG_MM_PER_S..=GO_MM_PER_S).contains(&rate);
+    is_slow.then_some(rate).ok_or_else(|| wrong(format!("jog at {MIN_JOG_MM_PER_S} to {GO_MM_PER_S} mm/s")))
 }
 
 /// Tasks with an answer.
@@ -115,6 +126,14 @@ fn wrong(message: impl Into<String>) -> HttpRefusal {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_jog_is_never_faster_than_a_move_to_a_place() {
+        assert_eq!([rate(None).ok(), rate(Some(2.0)).ok()], [Some(10.0), Some(2.0)]);
+        for asked in [0.0, -1.0, 50.1, f64::NAN, f64::INFINITY] {
+            assert!(rate(Some(asked)).expect_err("refused").message.contains("0.5 to 50 mm/s"), "{asked}");
+        }
+    }
 
     #[test]
     fn a_bring_up_goes_no_further_than_the_command_lets_it() {

@@ -31,7 +31,9 @@ pub struct DriveView {
     pub run_began_s: Option<f64>,
     /// Samples per second during a test; None if the firmware has no streams.
     pub stream_hz: Option<f64>,
-    /// mm.
+    /// Soft limits of the position, mm; None where the drive has none.
+    pub limits_mm: [Option<f64>; 2],
+    /// mm; None where nothing has set one.
     pub setpoint: Option<f64>,
     /// mm.
     pub position: Option<f64>,
@@ -77,7 +79,7 @@ impl DriveView {
     }
 
     fn take_figures(&mut self, status: &Status, units: &Units) {
-        self.setpoint = units.millimetres(status.setpoint).filter(|_| self.is_enabled);
+        self.setpoint = units.millimetres(status.setpoint).filter(|_| has_setpoint(status.mode));
         self.position = units.millimetres(status.position);
         (self.error, self.command) = (status.error, status.command);
         self.pressures = [status.pressure_1, status.pressure_2].map(|raw| units.kilopascals(raw));
@@ -166,6 +168,11 @@ fn has_sampled(status: &Status, units: &Units) -> bool {
     !measures_pressures || status.index > 0 || status.position != 0 || raw.iter().any(|raw| *raw != 0)
 }
 
+/// Whether a test sets where the drive is to go: one that is armed or homes has no setpoint, or that of an earlier test.
+fn has_setpoint(mode: Mode) -> bool {
+    matches!(mode, Mode::Running | Mode::Done)
+}
+
 /// Whether the valve may move a drive in this mode.
 #[must_use]
 pub fn is_enabled(mode: Mode) -> bool {
@@ -198,6 +205,18 @@ mod tests {
         assert_eq!((seen.mode, seen.position, seen.look), ("armed", Some(98.7), 1));
         seen.take(&Status { mode: Mode::Running, index: 1, ..Status::default() }, &units);
         assert_eq!((seen.mode, seen.position), ("running", None), "a rig without scales tells no mm");
+    }
+
+    #[test]
+    fn a_drive_has_a_setpoint_from_the_start_of_a_test_on() {
+        let units = Units::of(&RigParameters::default());
+        let modes = [Mode::Disarmed, Mode::Armed, Mode::Homing, Mode::Running, Mode::Done, Mode::Fault];
+        let told = modes.map(|mode| {
+            let mut seen = DriveView::default();
+            seen.take(&Status { mode, index: 1, position: 100, ..Status::default() }, &units);
+            seen.setpoint
+        });
+        assert_eq!(told, [None, None, None, Some(0.0), Some(0.0), None]);
     }
 
     #[test]

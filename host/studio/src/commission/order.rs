@@ -39,8 +39,8 @@ pub enum Order {
     Run(Box<Rig>, Option<f64>),
     /// Move slowly to a place, mm.
     Go(f64, Box<Rig>),
-    /// A jog button is held.
-    Jog(Direction, Box<Rig>),
+    /// A jog button is held: which way, and the rate, mm/s.
+    Jog(Direction, f64, Box<Rig>),
     /// The jog button was released.
     Release,
     /// The answer to a question of the bring-up, by the question's number.
@@ -182,7 +182,7 @@ impl<'a> Orders<'a> {
     /// When a waiting order last confirmed a held button.
     pub fn confirmed(&mut self, direction: Direction) -> Option<Instant> {
         self.hear();
-        let again = |later: &&Arrived| matches!(later.order, Order::Jog(way, _) if way == direction);
+        let again = |later: &&Arrived| matches!(later.order, Order::Jog(way, ..) if way == direction);
         self.waiting.iter().rev().find(again).map(|later| later.at)
     }
 
@@ -344,7 +344,7 @@ mod tests {
     }
 
     fn jog() -> Order {
-        Order::Jog(Direction::Extend, Box::new(Rig::builtin("servo-b-tuned").expect("a built-in rig")))
+        Order::Jog(Direction::Extend, 10.0, Box::new(Rig::builtin("servo-b-tuned").expect("a built-in rig")))
     }
 
     /// While another order is carried out, confirmations of a button may queue up before the order that ends the motion.

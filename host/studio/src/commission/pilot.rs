@@ -18,10 +18,12 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Error, Result};
 use axum::http::StatusCode;
+use pneudrive_controller::parameters::id;
 use pneudrive_link::client::Client;
 use pneudrive_link::failure::Failure;
 use pneudrive_page::refusal::HttpRefusal;
 use pneudrive_protocol::{Mode, Status};
+use pneudrive_records::rig_info::RigParameters;
 use pneudrive_records::units::Units;
 use pneudrive_session::bring_up::Options;
 use pneudrive_sim::Rig;
@@ -56,6 +58,15 @@ pub fn steer(port: &str, orders: &Receiver<Arrived>, seen: &Mutex<DriveView>) {
     }
 }
 
+/// The soft limits of a drive, mm; None where it has none.
+fn limits_mm(parameters: &RigParameters) -> [Option<f64>; 2] {
+    let units = Units::of(parameters);
+    [id::END_MIN_COUNTS, id::END_MAX_COUNTS].map(|end| {
+        let counts = parameters.values.get(end).filter(|_| !parameters.lacking.contains(&end));
+        units.millimetres(counts?)
+    })
+}
+
 struct Pilot<'a> {
     client: Client,
     reporter: Reporter<'a>,
@@ -82,7 +93,9 @@ impl<'a> Pilot<'a> {
     fn read_scales(&mut self) -> Result<()> {
         let parameters = self.client.parameters()?;
         self.reporter.units = Units::of(&parameters);
-        self.reporter.seen().stream_hz = Some(Live::rate_hz(&parameters));
+        let mut seen = self.reporter.seen();
+        seen.stream_hz = Some(Live::rate_hz(&parameters));
+        seen.limits_mm = limits_mm(&parameters);
         Ok(())
     }
 
@@ -176,7 +189,7 @@ impl<'a> Pilot<'a> {
             Order::Home => self.home(),
             Order::Run(rig, agreed_mm) => self.run_from_start(rig, agreed_mm),
             Order::Go(to_mm, rig) => self.go(to_mm, &rig),
-            Order::Jog(direction, rig) => self.jog(direction, at, &rig),
+            Order::Jog(direction, mm_per_s, rig) => self.jog(direction, mm_per_s, at, &rig),
             Order::Release if self.jog.is_some() => self.release(),
             Order::Release => Ok(()),
         };

@@ -170,13 +170,13 @@ impl Pilot<'_> {
     }
 
     /// Begins to jog, goes on, or has the next stretch follow; `at`: when the button was heard.
-    pub(super) fn jog(&mut self, direction: Direction, at: Instant, rig: &Rig) -> Result<()> {
+    pub(super) fn jog(&mut self, direction: Direction, mm_per_s: f64, at: Instant, rig: &Rig) -> Result<()> {
         let goes_on = self.jog.is_some_and(|(before, _)| before == direction);
         let status = self.look()?;
         if !goes_on || status.mode == Mode::Done {
             let way = if direction == Direction::Extend { JOG_REACH_MM } else { -JOG_REACH_MM };
             let from_mm = self.place(&status)?;
-            let test = slow_move::jog(rig, &self.client.parameters()?, from_mm, way)?;
+            let test = slow_move::jog(rig, &self.client.parameters()?, from_mm, way, mm_per_s)?;
             self.run(&test, Purpose::Jog(direction, at))?;
         }
         self.jog = Some((direction, self.orders.confirmed(direction).unwrap_or(at)));
