@@ -27,6 +27,7 @@ use crate::parameters::{Parameters, id};
 /// Places nearer than this are the same, Q16: 8 counts.
 const NEAR: i32 = 8 << 16;
 /// A pull that is not worth a change of the command, Q16: 2 counts.
+const SUMMED: u32 = 2;
 const SMALL: i32 = 2 << 16;
 /// 0.7, 0.4 and 1.05 in Q16.
 const OF_PLACE: i32 = 45_875;
@@ -69,6 +70,8 @@ pub(super) struct Spool {
     /// u, and p.
     command: i32,
     pull: i32,
+    /// What it was short of its goal where it stood, summed.
+    short: i32,
     /// Since the sample before, on average.
     pub mean: i32,
 }
@@ -126,6 +129,9 @@ impl Spool {
 
     /// The command that brings it to a place, in counts.
     pub(super) fn drive(&mut self, constants: &Constants, wanted: i32) -> i32 {
+        let missed = wanted.saturating_sub(self.mean);
+        self.short = if wanted == 0 { 0 } else { within(self.short.saturating_add(within(missed, NEAR) >> SUMMED), NEAR) };
+        let wanted = wanted.saturating_add(self.short);
         let share = constants.share;
         let before = self.glide(constants, constants.output, share);
         let change = within(self.pull_to(constants, wanted), constants.strongest).saturating_sub(self.pull);
