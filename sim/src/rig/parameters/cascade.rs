@@ -6,10 +6,10 @@
 //! ```text
 //! length of a chamber    V_i/(A_i c)                           flow           n R sqrt(T_0 Ts) rho_0 C T/(A_1 c)
 //! acceleration           Ps A_1 T^2/(M c)                      viscous        B c/(T Ps A_1)
-//! lag of the spool       K_D/K_S                               dead time      tau = delay + T/2 + lag/1.5, of a measured spool + 5 T
+//! lag of the spool       K_D/K_S                               dead time      tau = delay + T/2 + lag/1.5, for the lag 4.5 T of a measured spool
 //! sensors with a lag L   a = exp(-T/L), b = (1 - a) L/T
 //! poles                  force 0.6/tau, position 0.24/tau, motion observer 1.0/tau, flow observer 0.35/tau
-//! ways                   half of the speed of the choked flow, 0.4 of the force, 0.4 of the flow
+//! ways                   half of the speed of the choked flow, 0.4 of the force, 0.4 of the flow (0.24 with a measured spool)
 //! ```
 //!
 //! Three keys of the rig file move these: `controller.cascade_dead_time_factor` multiplies tau, `controller.cascade_observer_factor`
@@ -24,13 +24,13 @@ use crate::component::actuator::Actuator;
 use crate::component::encoder::pulse;
 use crate::component::load::Load;
 use crate::component::operator::OperatorKind;
+use crate::component::tubing::TubingKind;
 use crate::component::valve::discharge::DischargeKind;
-use crate::component::valve::iso6358::{Iso6358, REFERENCE_DENSITY, REFERENCE_TEMPERATURE};
 use crate::component::valve::flow_force::FlowForceKind;
+use crate::component::valve::iso6358::{Iso6358, REFERENCE_DENSITY, REFERENCE_TEMPERATURE};
 use crate::component::valve::lands::CharacteristicKind as Characteristic;
 use crate::component::valve::model::WITH_CONDUCTANCES;
 use crate::component::valve::spool_travel;
-use crate::component::tubing::TubingKind;
 use crate::key::Choice;
 use crate::keys;
 use crate::values::{Findings, Rig};
@@ -192,7 +192,8 @@ impl Drive {
 
     fn loops(&self) -> Vec<(u16, i32)> {
         // Samples from one to what it does to the flow.
-        let tau = self.dead_time_factor * (self.delay + 0.5 * self.period + self.spool.dead_time()) / self.period;
+        let tau =
+            self.dead_time_factor * (self.delay + 0.5 * self.period + self.spool.dead_time()) / self.period;
         let decay = |pole: f64| fixed(libm::exp(-pole * self.observer_factor / tau), 30);
         vec![
             (id::CASCADE_DEAD_TIME, fixed(tau, 16)),
@@ -200,7 +201,7 @@ impl Drive {
             (id::CASCADE_POSITION_POLE, fixed(POSITION_POLE / tau, 16)),
             (id::CASCADE_MOTION_DECAY, decay(MOTION_POLE)),
             (id::CASCADE_FLOW_DECAY, decay(FLOW_POLE)),
-            (id::CASCADE_WAY_FLOW, fixed(self.flow_share, 16)),
+            (id::CASCADE_WAY_FLOW, fixed(self.spool.flow() * self.flow_share, 16)),
         ]
     }
 }

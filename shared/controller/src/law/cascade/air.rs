@@ -120,7 +120,8 @@ impl Constants {
             },
             Some(tubes) => {
                 let filled = [tubes.fill(&fill_1, p1), tubes.fill(&fill_2, p2)];
-                let vented = [(&vent_1, p1), (&vent_2, p2)].map(|(path, p)| tubes.vent(path, p, self.exhaust));
+                let vented =
+                    [(&vent_1, p1), (&vent_2, p2)].map(|(path, p)| tubes.vent(path, p, self.exhaust));
                 let ([fill_1, fill_2], [vent_1, vent_2]) = (filled, vented);
                 let [extend, retract] = [fill_1.and(vent_2), vent_1.and(fill_2)];
                 Air {

@@ -27,7 +27,6 @@ use crate::parameters::{Parameters, id};
 /// Places nearer than this are the same, Q16: 8 counts.
 const NEAR: i32 = 8 << 16;
 /// A pull that is not worth a change of the command, Q16: 2 counts.
-const SUMMED: u32 = 2;
 const SMALL: i32 = 2 << 16;
 /// 0.7, 0.4 and 1.05 in Q16.
 const OF_PLACE: i32 = 45_875;
@@ -70,8 +69,6 @@ pub(super) struct Spool {
     /// u, and p.
     command: i32,
     pull: i32,
-    /// What it was short of its goal where it stood, summed.
-    short: i32,
     /// Since the sample before, on average.
     pub mean: i32,
 }
@@ -129,15 +126,14 @@ impl Spool {
 
     /// The command that brings it to a place, in counts.
     pub(super) fn drive(&mut self, constants: &Constants, wanted: i32) -> i32 {
-        let missed = wanted.saturating_sub(self.mean);
-        self.short = if wanted == 0 { 0 } else { within(self.short.saturating_add(within(missed, NEAR) >> SUMMED), NEAR) };
-        let wanted = wanted.saturating_add(self.short);
         let share = constants.share;
         let before = self.glide(constants, constants.output, share);
         let change = within(self.pull_to(constants, wanted), constants.strongest).saturating_sub(self.pull);
         let command = match change {
             small if small.saturating_abs() < SMALL => self.command,
-            more => self.pull.saturating_add(more).saturating_add(constants.play.saturating_mul(more.signum())),
+            more => {
+                self.pull.saturating_add(more).saturating_add(constants.play.saturating_mul(more.signum()))
+            }
         };
         let counts = (command.saturating_add(1 << 15) >> 16).min(constants.largest).max(-constants.largest);
         self.command = counts << 16;
@@ -164,7 +160,8 @@ impl Spool {
         });
         let reach = reach(first, constants.strongest).min(reach(second, constants.strongest));
         let pull = first.0.saturating_add(product(first.1, reach, 16));
-        let away = self.place.saturating_add(product(constants.stiction, AWAY, 16).saturating_mul(way.signum()));
+        let away =
+            self.place.saturating_add(product(constants.stiction, AWAY, 16).saturating_mul(way.signum()));
         let too_weak = pull.saturating_sub(away).signum() == -way.signum();
         if still && too_weak { away } else { pull }
     }
@@ -198,8 +195,7 @@ impl Spool {
             let left = ONE - gone;
             let drive = free.saturating_sub(constants.friction.saturating_mul(free.signum()));
             self.speed = product(product(drive.saturating_neg(), transition.pull(), 28), left, 16);
-            self.place =
-                self.place.saturating_add(product(product(self.speed, left, 16), time, 17));
+            self.place = self.place.saturating_add(product(product(self.speed, left, 16), time, 17));
         }
     }
 }

@@ -110,7 +110,8 @@ pub(super) fn rate(open: i32, narrow: i32, part: i32) -> i32 {
     let by_narrow = ratio(1 << 32, u64::from(narrow.unsigned_abs())) as i32;
     let bend = steepened(product((narrow - by_narrow) / 2, part, 16));
     // w C/(sqrt(..) + k C), Q16.
-    let part = ratio(u64::from(product(narrow, part, 16).unsigned_abs()) << 16, u64::from(bend.unsigned_abs()));
+    let part =
+        ratio(u64::from(product(narrow, part, 16).unsigned_abs()) << 16, u64::from(bend.unsigned_abs()));
     product(open, part.min(1 << 16) as i32, 16)
 }
 

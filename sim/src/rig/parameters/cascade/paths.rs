@@ -137,9 +137,12 @@ fn clearance(valve: &Valve) -> f64 {
 fn fits(rig: &Rig) -> [Fit; 2] {
     let [into, out] = flows(rig);
     let ends = [rig.get(&keys::supply::PRESSURE_PA), rig.get(&keys::exhaust::PRESSURE_PA)];
-    let with = |port: f64| [(Way::In, &into), (Way::Out, &out)].map(|(way, flows)| Fit::best(way, ends, flows, port));
+    let with = |port: f64| {
+        [(Way::In, &into), (Way::Out, &out)].map(|(way, flows)| Fit::best(way, ends, flows, port))
+    };
     let valve = Valve::of(rig);
-    let bore = valve.port_diameter * valve.port_diameter / (2.0 * (valve.sleeve_diameter + valve.spool_diameter));
+    let bore =
+        valve.port_diameter * valve.port_diameter / (2.0 * (valve.sleeve_diameter + valve.spool_diameter));
     let left = |fits: &[Fit; 2]| fits[0].left + fits[1].left;
     let tried = (0..PORTS).map(|i| with(bore * libm::pow(PORT, f64::from(i))));
     tried.min_by(|one, other| left(one).total_cmp(&left(other))).expect("some are tried")
@@ -180,16 +183,8 @@ impl Fit {
     }
 
     fn of(way: Way, ends: [f64; 2], critical_ratio: f64, flows: &[Flow], port: f64) -> Fit {
-        let mut fit = Fit {
-            way,
-            ends,
-            critical_ratio,
-            by_square: 0.0,
-            port,
-            choked: 0.0,
-            slight: 0.0,
-            left: 0.0,
-        };
+        let mut fit =
+            Fit { way, ends, critical_ratio, by_square: 0.0, port, choked: 0.0, slight: 0.0, left: 0.0 };
         let row = |flow: &Flow| {
             let square = (flow.flow / fit.phi(flow.pressure)).powi(2);
             let in_series = 1.0 + (port / flow.height).powi(2);
@@ -197,7 +192,10 @@ impl Fit {
         };
         let rows: Vec<[f64; 3]> = flows.iter().map(row).collect();
         let found = least_squares(&rows);
-        fit.left = rows.iter().map(|row| (row.iter().zip(found).map(|(a, x)| a * x).sum::<f64>() - 1.0).powi(2)).sum();
+        fit.left = rows
+            .iter()
+            .map(|row| (row.iter().zip(found).map(|(a, x)| a * x).sum::<f64>() - 1.0).powi(2))
+            .sum();
         [fit.by_square, fit.choked, fit.slight] = found;
         if found.iter().any(|value| *value <= 0.0) {
             fit.left = f64::INFINITY;
