@@ -248,11 +248,10 @@ fn least_squares(rows: &[[f64; 3]]) -> [f64; 3] {
     let scaled = |row: &[f64; 3], i: usize| if scale[i] > 0.0 { row[i] / scale[i] } else { 0.0 };
     let mut m = [[0.0; 4]; 3];
     for row in rows {
-        for i in 0..3 {
-            for j in 0..3 {
-                m[i][j] += scaled(row, i) * scaled(row, j);
+        for (i, sums) in m.iter_mut().enumerate() {
+            for (j, sum) in sums.iter_mut().enumerate() {
+                *sum += scaled(row, i) * if j < 3 { scaled(row, j) } else { 1.0 };
             }
-            m[i][3] += scaled(row, i);
         }
     }
     // Gauss and Jordan: positive definite but for columns of zeros.
