@@ -84,6 +84,8 @@ pub(crate) struct Measured<'a> {
     pub motion: &'a Motion,
     /// As they were converted.
     pub pressures: [i16; 2],
+    /// The spool, as it was converted.
+    pub spool: i16,
     /// What was learned of the valve's null, counts.
     pub learned: i32,
 }

@@ -119,7 +119,8 @@ impl State {
         match &config.law.settings {
             Settings::GainProfile(profile) if config.law.pressure_gain == 0 => {
                 // No pressure is looked at with this gain at 0.
-                let measured = Measured { motion, pressures: [0; 2], learned: self.null_offset.counts() };
+                let measured =
+                    Measured { motion, pressures: [0; 2], spool: 0, learned: self.null_offset.counts() };
                 profile.demand(&config.law, measured, self.reference_of_law())
             }
             _ => self.demand_of_any_law(config),
@@ -135,10 +136,11 @@ impl State {
     #[cold]
     #[inline(never)]
     fn demand_of_any_law(&mut self, config: &Config) -> i32 {
-        let Observation { position, velocity, acceleration, pressure_1, pressure_2, .. } = self.observation;
+        let Observation { position, velocity, acceleration, pressure_1, pressure_2, spool, .. } =
+            self.observation;
         let motion = Motion { position, step: 0, velocity, acceleration };
         let pressures = [pressure_1, pressure_2];
-        let measured = Measured { motion: &motion, pressures, learned: self.null_offset.counts() };
+        let measured = Measured { motion: &motion, pressures, spool, learned: self.null_offset.counts() };
         let reference = Reference { point: self.sequencer.point(), ..self.reference_of_law() };
         let demand = self.law.demand(&config.law, measured, reference);
         if let Some(fault) = self.law.fault() {

@@ -44,7 +44,13 @@ impl Draws {
             0 => self.within(i16::MIN.into(), i16::MAX.into()) as i16,
             _ => before.wrapping_add((self.next() % 9) as i16 - 4),
         };
-        Sample { position, pressure_1: raw(before.pressure_1), pressure_2: raw(before.pressure_2), ..before }
+        Sample {
+            position,
+            pressure_1: raw(before.pressure_1),
+            pressure_2: raw(before.pressure_2),
+            spool: raw(before.spool),
+            ..before
+        }
     }
 }
 
@@ -138,7 +144,7 @@ fn the_integers_are_the_equations() {
         let (mut worst, mut unlike) = ([0.0_f64; 6], 0);
         for row in &record.rows {
             let command = bench.take(row.sample());
-            let exact = oracle.step(row.position, row.pressures, row.setpoint);
+            let exact = oracle.step(row.position, row.pressures, row.spool, row.setpoint);
             let (law, q16) = (law(&bench.state), |value: i32| f64::from(value) / 65_536.0);
             let differences = [
                 law.motion().x as f64 / 65_536.0 - oracle.motion.x,

@@ -17,6 +17,8 @@
 //! | [`rest`] | when a load rests, and the force that holds it |
 //! | [`sensor`] | the force that pressure sensors with a lag do not show yet |
 //! | [`valve`] | the command for that rate |
+//! | `land`, `tubes` | how far a land before a port opens, and what tubes leave of the flow |
+//! | `spring` | a spool on a spring with friction, that is measured |
 //! | [`known`] | what it knows at a sample, to be looked at |
 //! | `number`, `squares` | products, quotients and roots; least squares |
 //!
@@ -37,12 +39,15 @@ pub mod flow;
 pub mod force;
 pub mod known;
 pub mod lag;
+mod land;
 pub mod load;
 pub mod motion;
 mod number;
 pub mod rest;
 pub mod sensor;
+mod spring;
 mod squares;
+mod tubes;
 pub mod valve;
 pub mod way;
 
@@ -464,6 +469,8 @@ impl ControlLaw for Cascade {
     ) -> i32 {
         let count = measured.motion.position;
         let pressures = measured.pressures.map(|raw| settings.air.pressure(raw));
+        let null = measured.null(config);
+        self.valve.sense(&settings.valve, measured.spool, null);
         let force = self.unhidden(settings, settings.air.force(pressures));
         if !self.begun {
             self.begin_at(settings, count, force);
@@ -477,6 +484,6 @@ impl ControlLaw for Cascade {
         let is_short = settings.valve.is_short(&self.air, rate);
         self.short = if is_short { self.short.saturating_add(1) } else { 0 };
         let place = settings.valve.opening(&self.air, rate, least);
-        self.valve.drive(&settings.valve, self.lag.by_pace, place).saturating_add(measured.null(config))
+        self.valve.drive(&settings.valve, self.lag.by_pace, place).saturating_add(null)
     }
 }

@@ -77,7 +77,7 @@ mod tests {
         let mut law = Config::default().law;
         let Chosen::GainProfile(mut settings) = law.settings.clone() else { panic!("the thesis's law") };
         change(&mut law, &mut settings);
-        let measured = Measured { motion, pressures: [0; 2], learned: 0 };
+        let measured = Measured { motion, pressures: [0; 2], spool: 0, learned: 0 };
         GainProfile::default().demand(&law, &settings, measured, reference)
     }
 
@@ -136,7 +136,7 @@ mod tests {
             let mut profile = GainProfile::default();
             let mut demand = |pressure_1| {
                 let measured =
-                    Measured { motion: &Motion::default(), pressures: [pressure_1, 0], learned: 0 };
+                    Measured { motion: &Motion::default(), pressures: [pressure_1, 0], spool: 0, learned: 0 };
                 profile.demand(law, settings, measured, at(3))
             };
             demand(0);

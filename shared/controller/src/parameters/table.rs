@@ -142,6 +142,20 @@ macro_rules! parameter_table {
                108 CASCADE_LEARNING_NOISE "cascade_learning_noise" "" [0, UNIT, 0] () "" "Of the law cascade: noise of a force, for what is learned of the load, in 2^-24 of the supply on area 1; 0: nothing is learned." only Cascade;
                112 CASCADE_SENSOR_DECAY "cascade_sensor_decay" "" [0, DECAY, 0] () "" "Of the law cascade: what sensors with a lag have still to show of a pressure a sample later, in 2^-30." only Cascade;
                113 CASCADE_SENSOR_GAIN "cascade_sensor_gain" "" [0, DECAY, 0] () "" "Of the law cascade: what they have still to show of a change during that sample, in 2^-30; 0: they have no lag." only Cascade;
+               114 CASCADE_SPOOL_OFFSET "cascade_spool_offset" "counts" [-PULL_MAX, PULL_MAX, 0] () "" "Of the law cascade: place of a measured spool at raw 0, in 2^-16 counts of command." only Cascade;
+               115 CASCADE_SPOOL_GAIN "cascade_spool_gain" "counts" [-PULL_MAX, PULL_MAX, 0] () "" "Of the law cascade: place of a measured spool by a raw count, in 2^-24 counts of command; 0: the spool is not measured, and has no friction." only Cascade;
+               116 CASCADE_SPOOL_FIRST_WAY "cascade_spool_first_way" "" [-PULL_MAX, PULL_MAX, 0] () "" "Of the law cascade: pull of the coil in the first of two samples that move the spool by a count, in 2^-24 counts." only Cascade;
+               117 CASCADE_SPOOL_FIRST_SPEED "cascade_spool_first_speed" "" [-PULL_MAX, PULL_MAX, 0] () "" "Of the law cascade: the same to stop it from a count per sample." only Cascade;
+               118 CASCADE_SPOOL_SECOND_WAY "cascade_spool_second_way" "" [-PULL_MAX, PULL_MAX, 0] () "" "Of the law cascade: pull of the coil in the second of them that moves the spool by a count, in 2^-24 counts." only Cascade;
+               119 CASCADE_SPOOL_SECOND_SPEED "cascade_spool_second_speed" "" [-PULL_MAX, PULL_MAX, 0] () "" "Of the law cascade: the same to stop it from a count per sample." only Cascade;
+               120 CASCADE_SPOOL_STICTION "cascade_spool_stiction" "counts" [0, SPOOL_MAX, 0] () "" "Of the law cascade: static friction of a measured spool over its spring, in 2^-16 counts of command." only Cascade;
+               121 CASCADE_SPOOL_FRICTION "cascade_spool_friction" "counts" [0, SPOOL_MAX, 0] () "" "Of the law cascade: its friction in motion over its spring, in 2^-16 counts of command." only Cascade;
+               122 CASCADE_PORT "cascade_port" "counts" [0, SPOOL_MAX, 0] () "" "Of the law cascade: command at which a land is as wide as its port, in 2^-16 counts; 0: the conductance is in proportion to the opening." only Cascade;
+               123 CASCADE_CLEARANCE "cascade_clearance" "counts" [0, SPOOL_MAX, 0] () "" "Of the law cascade: clearance between spool and sleeve before a port, in 2^-16 counts of command." only Cascade;
+               124 CASCADE_TUBE_SUPPLY_CHOKED "cascade_tube_supply_choked" "" [0, SPOOL_MAX, 0] () "" "Of the law cascade: open path from the supply over the flow of its tubes into a vacuum, in 2^-16." only Cascade;
+               125 CASCADE_TUBE_SUPPLY_SLIGHT "cascade_tube_supply_slight" "" [0, SPOOL_MAX, 0] () "" "Of the law cascade: open path from the supply over the flow of its tubes by a part of the pressure, in 2^-16; 0: there are none." only Cascade;
+               126 CASCADE_TUBE_EXHAUST_CHOKED "cascade_tube_exhaust_choked" "" [0, SPOOL_MAX, 0] () "" "Of the law cascade: open path to the exhaust over the flow of its tube from a high pressure, in 2^-16." only Cascade;
+               127 CASCADE_TUBE_EXHAUST_SLIGHT "cascade_tube_exhaust_slight" "" [0, SPOOL_MAX, 0] () "" "Of the law cascade: open path to the exhaust over the flow of its tube by a part of the pressure, in 2^-16; 0: there is none." only Cascade;
             }
         }
     };

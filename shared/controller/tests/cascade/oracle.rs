@@ -8,6 +8,7 @@ mod load;
 mod observers;
 mod plan;
 mod sensors;
+mod spring;
 mod squares;
 mod trajectory;
 mod valve;
@@ -54,11 +55,11 @@ impl Oracle {
         }
     }
 
-    pub fn step(&mut self, count: i32, raw: [i16; 2], target: i32) -> i16 {
+    pub fn step(&mut self, count: i32, raw: [i16; 2], spool: i16, target: i32) -> i16 {
         let c = &self.c;
+        self.valve.sense(c, spool);
         let p = raw.map(|raw| (c.offset + c.gain * f64::from(raw)).max(0.5 * c.exhaust));
-        let open = self.air.extend * c.conductance(self.valve.mean)
-            - self.air.retract * c.conductance(-self.valve.mean);
+        let open = c.rate_at(&self.air, self.valve.mean);
         let hidden = self.hidden.take(c, open - self.air.stiffness * self.motion.v);
         let force = p[0] - c.ratio * p[1] - c.exhaust * (1.0 - c.ratio) + hidden;
         if !self.begun {

@@ -7,12 +7,13 @@ use pneudrive_controller::{Config, Move, Parameters, Sample, Sequence, State};
 use crate::bench::{self, ControllerBench};
 
 /// Each record by its name.
-pub const RECORDS: [(&str, &str); 5] = [
+pub const RECORDS: [(&str, &str); 6] = [
     ("level", include_str!("records/level.csv")),
     ("upright", include_str!("records/upright.csv")),
     ("often", include_str!("records/often.csv")),
     ("slow", include_str!("records/slow.csv")),
     ("bristles", include_str!("records/bristles.csv")),
+    ("spring", include_str!("records/spring.csv")),
 ];
 
 /// What the controller got at a sample, and what it commanded.
@@ -20,6 +21,8 @@ pub const RECORDS: [(&str, &str); 5] = [
 pub struct Row {
     pub position: i32,
     pub pressures: [i16; 2],
+    /// 0 where the law does not look at it.
+    pub spool: i16,
     pub setpoint: i32,
     pub command: i16,
 }
@@ -59,12 +62,22 @@ impl Record {
 impl Row {
     pub fn sample(&self) -> Sample {
         let [pressure_1, pressure_2] = self.pressures;
-        Sample { position: self.position, pressure_1, pressure_2, ..Sample::default() }
+        Sample { position: self.position, pressure_1, pressure_2, spool: self.spool, ..Sample::default() }
     }
 }
 
 fn row(line: &str) -> Row {
     let numbers: Vec<i32> = line.split(',').map(|number| number.parse().expect("a number")).collect();
-    let [position, one, two, setpoint, command] = numbers[..] else { panic!("five numbers: {line}") };
-    Row { position, pressures: [one as i16, two as i16], setpoint, command: command as i16 }
+    let (position, one, two, setpoint, command, spool) = match numbers[..] {
+        [position, one, two, setpoint, command] => (position, one, two, setpoint, command, 0),
+        [position, one, two, setpoint, command, spool] => (position, one, two, setpoint, command, spool),
+        _ => panic!("five numbers, or six: {line}"),
+    };
+    Row {
+        position,
+        pressures: [one as i16, two as i16],
+        spool: spool as i16,
+        setpoint,
+        command: command as i16,
+    }
 }

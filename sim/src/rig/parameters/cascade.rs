@@ -6,33 +6,37 @@
 //! ```text
 //! length of a chamber    V_i/(A_i c)                           flow           n R sqrt(T_0 Ts) rho_0 C T/(A_1 c)
 //! acceleration           Ps A_1 T^2/(M c)                      viscous        B c/(T Ps A_1)
-//! lag of the spool       K_D/K_S                               dead time      tau = delay + T/2 + lag/1.5
+//! lag of the spool       K_D/K_S                               dead time      tau = delay + T/2 + lag/1.5, for the lag 4.5 T of a measured spool
 //! sensors with a lag L   a = exp(-T/L), b = (1 - a) L/T
 //! poles                  force 0.6/tau, position 0.24/tau, motion observer 1.0/tau, flow observer 0.35/tau
-//! ways                   half of the speed of the choked flow, 0.4 of the force, 0.4 of the flow
+//! ways                   half of the speed of the choked flow, 0.4 of the force, 0.4 of the flow (0.24 with a measured spool)
 //! ```
 //!
 //! Three keys of the rig file move these: `controller.cascade_dead_time_factor` multiplies tau, `controller.cascade_observer_factor`
 //! the poles of the observers, and `controller.cascade_flow_share` is the 0.4 of the ways, whose speed has 1.25 times as much.
+
+mod paths;
+mod spool;
 
 use pneudrive_controller::parameters::id;
 
 use crate::component::actuator::Actuator;
 use crate::component::encoder::pulse;
 use crate::component::load::Load;
-use crate::component::operator::Oscillator;
-use crate::component::valve::flow_law::FlowLaw;
+use crate::component::operator::OperatorKind;
+use crate::component::tubing::TubingKind;
+use crate::component::valve::discharge::DischargeKind;
+use crate::component::valve::flow_force::FlowForceKind;
 use crate::component::valve::iso6358::{Iso6358, REFERENCE_DENSITY, REFERENCE_TEMPERATURE};
 use crate::component::valve::lands::CharacteristicKind as Characteristic;
 use crate::component::valve::model::WITH_CONDUCTANCES;
 use crate::component::valve::spool_travel;
-use crate::component::{operator, tubing};
 use crate::key::Choice;
 use crate::keys;
 use crate::values::{Findings, Rig};
+use paths::Paths;
+use spool::Spool;
 
-/// How much faster than it is the law makes the spool: 3/2 in its equation.
-const BOOST: f64 = 1.5;
 /// Poles, in 1/tau.
 const FORCE_POLE: f64 = 0.6;
 const POSITION_POLE: f64 = 0.24;
@@ -55,19 +59,11 @@ pub(super) fn values(rig: &Rig) -> Vec<(u16, i32)> {
         drive.cylinder(rig),
         drive.valve(rig),
         drive.load(rig),
-        drive.spool(rig),
+        drive.spool.values(rig),
         drive.sensors(rig),
         drive.loops(),
     ]
     .concat()
-}
-
-/// The paths from the supply and to the exhaust, if they are components by their conductance.
-fn paths(rig: &Rig) -> [Iso6358; 2] {
-    rig.get(&keys::valve::MODEL).laws(rig).map(|law| match law {
-        FlowLaw::Iso6358(path) => path,
-        _ => Iso6358 { sonic_conductance: 0.0, critical_ratio: 0.0, subsonic_index: 0.5 },
-    })
 }
 
 /// What several lines of the table need, SI.
@@ -81,8 +77,7 @@ struct Drive {
     exhaust: f64,
     /// Ps A_1, N.
     force: f64,
-    /// K_D/K_S of the spool, s.
-    lag: f64,
+    spool: Spool,
     /// What its ways ask for, and how much longer tau and how much faster the observers are than usual.
     flow_share: f64,
     dead_time_factor: f64,
@@ -102,8 +97,7 @@ impl Drive {
             delay: rig.get(&keys::controller::DELAY_S),
             supply,
             exhaust: rig.get(&keys::exhaust::PRESSURE_PA),
-            lag: rig.get(&keys::empirical::DAMPING_PER_S)
-                / rig.get(&keys::empirical::STIFFNESS_PER_MASS_PER_S2),
+            spool: Spool::of(rig),
             flow_share: rig.get(&keys::controller::CASCADE_FLOW_SHARE),
             dead_time_factor: rig.get(&keys::controller::CASCADE_DEAD_TIME_FACTOR),
             observer_factor: rig.get(&keys::controller::CASCADE_OBSERVER_FACTOR),
@@ -138,18 +132,33 @@ impl Drive {
             let volume = gas * REFERENCE_DENSITY * path.sonic_conductance;
             volume * self.period / self.actuator.area_1 / self.count
         };
-        let [supply, exhaust] = paths(rig);
+        let paths = Paths::of(rig);
+        let [supply, exhaust] = &paths.open;
         let steepness = |path: &Iso6358| 1.0 / (1.0 - path.critical_ratio);
-        vec![
+        let speed = WAY_SPEED * self.flow_share * paths.kept * flow(exhaust) / exponent;
+        let mut values = vec![
             (id::CASCADE_EXPONENT, fixed(exponent, 16)),
-            (id::CASCADE_FLOW_SUPPLY, fixed(flow(&supply), 16)),
-            (id::CASCADE_FLOW_EXHAUST, fixed(flow(&exhaust), 16)),
-            (id::CASCADE_STEEPNESS_SUPPLY, fixed(steepness(&supply), 16)),
-            (id::CASCADE_STEEPNESS_EXHAUST, fixed(steepness(&exhaust), 16)),
+            (id::CASCADE_FLOW_SUPPLY, fixed(flow(supply), 16)),
+            (id::CASCADE_FLOW_EXHAUST, fixed(flow(exhaust), 16)),
+            (id::CASCADE_STEEPNESS_SUPPLY, fixed(steepness(supply), 16)),
+            (id::CASCADE_STEEPNESS_EXHAUST, fixed(steepness(exhaust), 16)),
             (id::CASCADE_LEAKAGE, fixed(1e-2 * rig.get(&keys::lands::LEAKAGE_PERCENT), 16)),
             // The choked flow that leaves the larger chamber.
-            (id::CASCADE_WAY_SPEED, fixed(WAY_SPEED * self.flow_share * flow(&exhaust) / exponent, 16)),
-        ]
+            (id::CASCADE_WAY_SPEED, fixed(speed, 16)),
+        ];
+        if let Some(land) = &paths.land {
+            values.push((id::CASCADE_PORT, self.spool.counts(land.port)));
+            values.push((id::CASCADE_CLEARANCE, self.spool.counts(land.clearance)));
+        }
+        if let Some([supply, exhaust]) = paths.tubes {
+            values.extend([
+                (id::CASCADE_TUBE_SUPPLY_CHOKED, fixed(supply.choked, 16)),
+                (id::CASCADE_TUBE_SUPPLY_SLIGHT, fixed(supply.slight, 16)),
+                (id::CASCADE_TUBE_EXHAUST_CHOKED, fixed(exhaust.choked, 16)),
+                (id::CASCADE_TUBE_EXHAUST_SLIGHT, fixed(exhaust.slight, 16)),
+            ]);
+        }
+        values
     }
 
     fn load(&self, rig: &Rig) -> Vec<(u16, i32)> {
@@ -172,34 +181,6 @@ impl Drive {
         ]
     }
 
-    /// In counts of command, of which 2048 ask for the travel.
-    fn spool(&self, rig: &Rig) -> Vec<(u16, i32)> {
-        let count = spool_travel(rig) / 2048.0 * rig.get(&keys::amplifier::AMPLIFIER_GAIN);
-        let lap = rig.get(&keys::valve::UNDERLAP_MM) * 1e-3;
-        let play = rig.get(&keys::hysteresis::HYSTERESIS_PERCENT) / 100.0 * spool_travel(rig);
-        let oscillator = Oscillator {
-            stiffness_per_mass: rig.get(&keys::empirical::STIFFNESS_PER_MASS_PER_S2),
-            damping_per_mass: rig.get(&keys::empirical::DAMPING_PER_S),
-        };
-        let [output, sample] = [self.delay, self.period - self.delay].map(|time| oscillator.transition(time));
-        let t = self.period;
-        vec![
-            (id::CASCADE_SPOOL_OUTPUT_PLACE, fixed(output[0][0], 30)),
-            (id::CASCADE_SPOOL_OUTPUT_SPEED, fixed(output[0][1] / t, 30)),
-            (id::CASCADE_SPOOL_OUTPUT_PULL, fixed(output[1][0] * t, 28)),
-            (id::CASCADE_SPOOL_OUTPUT_COAST, fixed(output[1][1], 30)),
-            (id::CASCADE_SPOOL_SAMPLE_PLACE, fixed(sample[0][0], 30)),
-            (id::CASCADE_SPOOL_SAMPLE_SPEED, fixed(sample[0][1] / t, 30)),
-            (id::CASCADE_SPOOL_SAMPLE_PULL, fixed(sample[1][0] * t, 28)),
-            (id::CASCADE_SPOOL_SAMPLE_COAST, fixed(sample[1][1], 30)),
-            (id::CASCADE_SPOOL_LAG, fixed(self.lag / t, 16)),
-            (id::CASCADE_OUTPUT_SHARE, fixed(self.delay / t, 16)),
-            (id::CASCADE_OVERLAP, fixed(lap / count, 16)),
-            (id::CASCADE_SPAN, fixed((spool_travel(rig) - lap) / count, 16)),
-            (id::CASCADE_PLAY, fixed(play / count, 16)),
-        ]
-    }
-
     fn sensors(&self, rig: &Rig) -> Vec<(u16, i32)> {
         let lag = rig.get(&keys::sensors::PRESSURE_LAG_S) / self.period;
         let decay = if lag > 0.0 { libm::exp(-1.0 / lag) } else { 0.0 };
@@ -211,7 +192,8 @@ impl Drive {
 
     fn loops(&self) -> Vec<(u16, i32)> {
         // Samples from one to what it does to the flow.
-        let tau = self.dead_time_factor * (self.delay + 0.5 * self.period + self.lag / BOOST) / self.period;
+        let tau =
+            self.dead_time_factor * (self.delay + 0.5 * self.period + self.spool.dead_time()) / self.period;
         let decay = |pole: f64| fixed(libm::exp(-pole * self.observer_factor / tau), 30);
         vec![
             (id::CASCADE_DEAD_TIME, fixed(tau, 16)),
@@ -219,7 +201,7 @@ impl Drive {
             (id::CASCADE_POSITION_POLE, fixed(POSITION_POLE / tau, 16)),
             (id::CASCADE_MOTION_DECAY, decay(MOTION_POLE)),
             (id::CASCADE_FLOW_DECAY, decay(FLOW_POLE)),
-            (id::CASCADE_WAY_FLOW, fixed(self.flow_share, 16)),
+            (id::CASCADE_WAY_FLOW, fixed(self.spool.flow() * self.flow_share, 16)),
         ]
     }
 }
@@ -232,9 +214,21 @@ pub(in crate::rig) fn check(rig: &Rig, findings: &mut Findings) {
         return;
     }
     let rig = &*rig.nominal();
-    let by_conductance = format!("valve.model = \"{}\": a known flow", WITH_CONDUCTANCES.join("\" or \""));
+    let of_kind = match rig.get(&keys::operator::MODEL) {
+        OperatorKind::Solenoid => of_spring(rig),
+        _ => of_proportional_valve(rig),
+    };
+    for (_, what) in of_any_drive(rig).iter().chain(&of_kind).filter(|(met, _)| !met) {
+        findings.note(&LAW, format!("\"cascade\" needs {what}"));
+    }
+}
+
+/// Whether something is met, and what it is.
+type Need = (bool, String);
+
+fn of_any_drive(rig: &Rig) -> Vec<Need> {
     let travel = spool_travel(rig);
-    let needs: [(bool, &str); 11] = [
+    let needs: [(bool, &str); 5] = [
         (
             rig.get(&keys::sensors::PRESSURE),
             "sensors.pressure = true: it is a loop of the force, which it knows by the pressures",
@@ -242,10 +236,6 @@ pub(in crate::rig) fn check(rig: &Rig, findings: &mut Findings) {
         (
             rig.get(&keys::sensors::PRESSURE_LAG_S) <= 5e-3,
             "sensors.pressure_lag_s of at most 0.005: a force that is known in time",
-        ),
-        (
-            rig.get(&keys::operator::MODEL) == operator::OperatorKind::Empirical,
-            "operator.model = \"solenoid-empirical\": a spool that follows its command",
         ),
         (
             rig.get(&keys::dither::DITHER_MM) == 0.0,
@@ -259,9 +249,21 @@ pub(in crate::rig) fn check(rig: &Rig, findings: &mut Findings) {
             !rig.get(&keys::controller::LEARN_NULL_OFFSET),
             "controller.learn_null_offset = false: it leaves an error that friction holds",
         ),
+    ];
+    needs.map(|(met, what)| (met, what.to_owned())).into()
+}
+
+/// A spool that follows its command, and a valve by its conductance at the cylinder.
+fn of_proportional_valve(rig: &Rig) -> Vec<Need> {
+    let by_conductance = format!("valve.model = \"{}\": a known flow", WITH_CONDUCTANCES.join("\" or \""));
+    let needs: [(bool, &str); 6] = [
+        (
+            rig.get(&keys::operator::MODEL) == OperatorKind::Empirical,
+            "operator.model = \"solenoid-empirical\" or \"solenoid\": a spool that follows its command",
+        ),
         (rig.get(&keys::valve::UNDERLAP_MM) >= 0.0, "valve.underlap_mm of at least 0: one path at a time"),
         (
-            paths(rig).iter().all(|path| path.subsonic_index == 0.5),
+            Paths::of(rig).open.iter().all(|path| path.subsonic_index == 0.5),
             "valve.subsonic_index = 0.5: the ellipse of ISO 6358",
         ),
         (WITH_CONDUCTANCES.contains(&rig.get(&keys::valve::MODEL).word()), &by_conductance),
@@ -270,11 +272,40 @@ pub(in crate::rig) fn check(rig: &Rig, findings: &mut Findings) {
             "valve.characteristic = \"linear\": a flow in proportion to the spool",
         ),
         (
-            rig.get(&keys::tubing::MODEL) == tubing::TubingKind::None,
+            rig.get(&keys::tubing::MODEL) == TubingKind::None,
             "tubing.model = \"none\": the valve at the cylinder",
         ),
     ];
-    for (_, what) in needs.iter().filter(|(met, _)| !met) {
-        findings.note(&LAW, format!("\"cascade\" needs {what}"));
-    }
+    needs.map(|(met, what)| (met, what.to_owned())).into()
+}
+
+/// The spool on a spring of the thesis, behind its ports and tubes.
+fn of_spring(rig: &Rig) -> Vec<Need> {
+    let [supply, exhaust] =
+        [&keys::valve::DISCHARGE_SUPPLY, &keys::valve::DISCHARGE_EXHAUST].map(|key| rig.get(key));
+    let needs: [(bool, &str); 7] = [
+        (
+            rig.get(&keys::controller::PERIOD_S) <= 5e-4,
+            "controller.period_s of at most 0.0005 with operator.model = \"solenoid\": its spool swings",
+        ),
+        (
+            rig.get(&keys::valve::MODEL).word() == "flow-node",
+            "valve.model = \"flow-node\" with operator.model = \"solenoid\": a land and a port in series",
+        ),
+        (rig.get(&keys::valve::UNDERLAP_MM) == 0.0, "valve.underlap_mm = 0 with lands: one path at a time"),
+        (
+            rig.get(&keys::flow_force::FLOW_FORCE) == FlowForceKind::None,
+            "valve.flow_force = \"none\": a spool that feels its spring alone",
+        ),
+        (
+            supply == exhaust && rig.get(&keys::discharge::DISCHARGE_MODEL) == DischargeKind::Constant,
+            "valve.discharge_model = \"constant\" and valve.discharge_exhaust as valve.discharge_supply: a known flow",
+        ),
+        (
+            rig.get(&keys::tubing::MODEL) == TubingKind::Empirical,
+            "tubing.model = \"empirical\" with operator.model = \"solenoid\": tubes that it knows",
+        ),
+        (rig.get(&keys::tubing::LAG_S) == 0.0, "tubing.lag_s = 0: flows that follow the pressures at once"),
+    ];
+    needs.map(|(met, what)| (met, what.to_owned())).into()
 }

@@ -9,7 +9,8 @@
 //! retracting  R = c_e phi(P1, k_e (1 - Pe/P1))/L1 + c_s phi(1, k_s (1 - P2))/L2
 //! ```
 //!
-//! Pressures are parts of the supply's, forces parts of what that does on area 1. k = 1/(1 - b).
+//! Pressures are parts of the supply's, forces parts of what that does on area 1. k = 1/(1 - b). [`super::tubes`] has what tubes leave of E
+//! and R.
 //!
 //! | quantity | format | range | largest error |
 //! |---|---|---|---|
@@ -20,6 +21,7 @@
 //! | E, R | Q24 | 0 to 32 | 1e-4 of the largest |
 
 use super::number::{product, root};
+use super::tubes::{self, Tubes};
 use crate::fixed::saturate;
 use crate::parameters::{Parameters, id};
 
@@ -42,10 +44,11 @@ pub struct Constants {
     /// c and k of the path from the supply and of that to the exhaust, Q16.
     flow: [i32; 2],
     steepness: [i32; 2],
+    tubes: Option<Tubes>,
 }
 
 /// The air at a sample.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Air {
     /// K, Q30.
     pub stiffness: i32,
@@ -53,6 +56,20 @@ pub struct Air {
     pub extend: i32,
     /// R, Q24.
     pub retract: i32,
+    /// What E and R would be without tubes, over what they are, Q16.
+    pub(super) narrow: [i32; 2],
+}
+
+impl Default for Air {
+    fn default() -> Air {
+        Air { stiffness: 0, extend: 0, retract: 0, narrow: [tubes::WIDE; 2] }
+    }
+}
+
+/// An open path: phi, and the rate of the force by it, Q24.
+pub(super) struct Path {
+    pub up: i32,
+    pub flow: i32,
 }
 
 impl Constants {
@@ -68,6 +85,7 @@ impl Constants {
             exponent: get(id::CASCADE_EXPONENT),
             flow: [get(id::CASCADE_FLOW_SUPPLY), get(id::CASCADE_FLOW_EXHAUST)],
             steepness: [get(id::CASCADE_STEEPNESS_SUPPLY), get(id::CASCADE_STEEPNESS_EXHAUST)],
+            tubes: Tubes::of(parameters),
         }
     }
 
@@ -90,18 +108,39 @@ impl Constants {
         let [one, two] = lengths.map(|length| u32::MAX.checked_div(length as u32).unwrap_or(0) as i32);
         let [p1, p2] = pressures;
         let springs = product(p1, one, 26) + product(product(self.ratio, p2, 24), two, 26);
-        Air {
-            stiffness: product(springs, self.exponent, 16),
-            extend: self.fill(p1, one).saturating_add(self.vent(p2, two)),
-            retract: self.vent(p1, one).saturating_add(self.fill(p2, two)),
+        let stiffness = product(springs, self.exponent, 16);
+        let [fill_1, fill_2] = [(p1, one), (p2, two)].map(|(p, by_length)| self.fill(p, by_length));
+        let [vent_1, vent_2] = [(p1, one), (p2, two)].map(|(p, by_length)| self.vent(p, by_length));
+        match &self.tubes {
+            None => Air {
+                stiffness,
+                extend: fill_1.flow.saturating_add(vent_2.flow),
+                retract: vent_1.flow.saturating_add(fill_2.flow),
+                narrow: [tubes::WIDE; 2],
+            },
+            Some(tubes) => {
+                let filled = [tubes.fill(&fill_1, p1), tubes.fill(&fill_2, p2)];
+                let vented =
+                    [(&vent_1, p1), (&vent_2, p2)].map(|(path, p)| tubes.vent(path, p, self.exhaust));
+                let ([fill_1, fill_2], [vent_1, vent_2]) = (filled, vented);
+                let [extend, retract] = [fill_1.and(vent_2), vent_1.and(fill_2)];
+                Air {
+                    stiffness,
+                    extend: extend.with,
+                    retract: retract.with,
+                    narrow: [extend.narrow(), retract.narrow()],
+                }
+            }
         }
     }
 
-    fn fill(&self, pressure: i32, by_length: i32) -> i32 {
+    #[inline(always)]
+    fn fill(&self, pressure: i32, by_length: i32) -> Path {
         self.path(ONE, product(ONE - pressure, self.steepness[0], 16), by_length, self.flow[0])
     }
 
-    fn vent(&self, pressure: i32, by_length: i32) -> i32 {
+    #[inline(always)]
+    fn vent(&self, pressure: i32, by_length: i32) -> Path {
         // (P - Pe)/P in Q16: P is below 2^25, and not 0.
         let drop = (pressure - self.exhaust).max(0) as u32;
         let part = (drop << 7).checked_div(pressure as u32 >> 9).unwrap_or(0);
@@ -110,11 +149,12 @@ impl Constants {
 
     /// c phi(P, y)/L; y in Q24.
     #[inline(always)]
-    fn path(&self, pressure: i32, y: i32, by_length: i32, flow: i32) -> i32 {
+    fn path(&self, pressure: i32, y: i32, by_length: i32, flow: i32) -> Path {
         let y = y.clamp(0, ONE);
         let share = root(product(y, 2 * ONE - y, 18) as u32) as i32;
         let up = product(pressure, share, 15);
-        saturate((i64::from(product(up, by_length, 24)) * i64::from(flow)) >> 24).min(16 * ONE)
+        let flow = saturate((i64::from(product(up, by_length, 24)) * i64::from(flow)) >> 24).min(16 * ONE);
+        Path { up, flow }
     }
 }
 

@@ -6,6 +6,7 @@
 //!                                                               of which a slower spool makes the part 1/pace ([`super::lag`])
 //! command     u = s + b^2 (goal - s) - (b - 1) D/w^2 s'         b = 1.5: as if the spool were so much faster
 //! goal        z +- half of the play when it has to be passed; within 2 counts of it the spool stays where it is
+//! behind a port or tubes   C and z by [`super::land`], E and R of a part that is open by [`super::tubes`]; a measured spool: [`super::spring`]
 //! ```
 //!
 //! | quantity | format | range | largest error |
@@ -17,12 +18,15 @@
 //! | Phi | Q30, from place to speed Q28 | | 2^-29 |
 
 use super::air::Air;
+use super::land::Land;
 use super::number::{product, ratio, within};
+use super::spring::{self, Spool};
+use super::tubes;
 use crate::drive::MAX_COUNTS;
 use crate::parameters::{Parameters, id};
 
 /// Largest command of any drive, Q16.
-const MOST: i32 = (MAX_COUNTS as i32) << 16;
+pub(super) const MOST: i32 = (MAX_COUNTS as i32) << 16;
 /// Places nearer than this are the same, Q16: 2 counts.
 const NEAR: i32 = 2 << 16;
 
@@ -42,11 +46,13 @@ pub struct Constants {
     share: i32,
     output: Transition,
     sample: Transition,
+    land: Option<Land>,
+    spring: Option<spring::Constants>,
 }
 
 /// Phi over a time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Transition([i32; 4]);
+pub(super) struct Transition([i32; 4]);
 
 /// Where the spool is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -56,6 +62,8 @@ pub struct Valve {
     command: i32,
     /// What the play lets through.
     held: i32,
+    /// One on a spring, that is measured.
+    spool: Spool,
     /// The spool since the sample before, on average, Q16 counts of command.
     pub mean: i32,
 }
@@ -63,9 +71,9 @@ pub struct Valve {
 impl Constants {
     pub(super) fn of(parameters: &Parameters) -> Constants {
         let get = |id| parameters.scalar(id);
-        let transition =
-            |first: u16| Transition([get(first), get(first + 1), get(first + 2), get(first + 3)]);
-        let (leakage, span) = (get(id::CASCADE_LEAKAGE), get(id::CASCADE_SPAN));
+        let land = Land::of(parameters);
+        let leakage = land.as_ref().map_or(get(id::CASCADE_LEAKAGE), |land| land.shut);
+        let span = get(id::CASCADE_SPAN);
         let whole = u64::from(span.unsigned_abs());
         Constants {
             largest: get(id::MAX_COMMAND_COUNTS),
@@ -76,8 +84,10 @@ impl Constants {
             play: get(id::CASCADE_PLAY),
             lag: get(id::CASCADE_SPOOL_LAG),
             share: get(id::CASCADE_OUTPUT_SHARE),
-            output: transition(id::CASCADE_SPOOL_OUTPUT_PLACE),
-            sample: transition(id::CASCADE_SPOOL_SAMPLE_PLACE),
+            output: Transition::of(parameters, id::CASCADE_SPOOL_OUTPUT_PLACE),
+            sample: Transition::of(parameters, id::CASCADE_SPOOL_SAMPLE_PLACE),
+            land,
+            spring: spring::Constants::of(parameters),
         }
     }
 
@@ -89,7 +99,37 @@ impl Constants {
 
     /// E C(z) - R C(-z), Q24.
     pub(super) fn rate(&self, air: &Air, z: i32) -> i32 {
+        if let Some(land) = &self.land {
+            return self.rate_of_land(land, air, z);
+        }
         product(air.extend, self.conductance(z), 16) - product(air.retract, self.conductance(-z), 16)
+    }
+
+    #[inline(never)]
+    fn rate_of_land(&self, land: &Land, air: &Air, z: i32) -> i32 {
+        let open = land.conductance(z.saturating_abs().saturating_sub(self.lap));
+        let [extends, retracts] = if z > 0 { [open, land.shut] } else { [land.shut, open] };
+        let [wide, narrow] = air.narrow;
+        tubes::rate(air.extend, wide, extends) - tubes::rate(air.retract, narrow, retracts)
+    }
+
+    /// As [`Constants::opening`], of a land.
+    #[inline(never)]
+    fn opening_of_land(&self, land: &Land, air: &Air, rate: i32, least: i32) -> i32 {
+        let [of_extend, of_retract] = air.narrow;
+        let leaks = [(air.extend, of_extend), (air.retract, of_retract)]
+            .map(|(open, narrow)| tubes::rate(open, narrow, land.shut));
+        let [extends, retracts] = leaks;
+        let net = rate.saturating_sub(extends - retracts);
+        if net.unsigned_abs() < least.unsigned_abs() {
+            return 0;
+        }
+        let (open, narrow, leak) =
+            if net > 0 { (air.extend, of_extend, extends) } else { (air.retract, of_retract, retracts) };
+        let asked = u64::from(net.saturating_abs().saturating_add(leak).unsigned_abs());
+        let of_rate = ratio(asked << 16, u64::from(open.unsigned_abs())).min(1 << 16) as i32;
+        let place = self.lap.saturating_add(land.opening(tubes::part(narrow, of_rate)));
+        place.clamp(0, MOST).saturating_mul(net.signum())
     }
 
     /// Whether a rate is more than 1.2 of what the open valve makes.
@@ -100,6 +140,9 @@ impl Constants {
 
     /// z of a rate (Q24); 0 for one that is smaller than `least`.
     pub(super) fn opening(&self, air: &Air, rate: i32, least: i32) -> i32 {
+        if let Some(land) = &self.land {
+            return self.opening_of_land(land, air, rate, least);
+        }
         let leak = product(air.extend - air.retract, self.leakage, 16);
         let net = rate.saturating_sub(leak);
         let open = if net > 0 { air.extend } else { air.retract };
@@ -115,13 +158,32 @@ impl Constants {
 }
 
 impl Transition {
+    /// Of four parameters from the first on.
+    pub(super) fn of(parameters: &Parameters, first: u16) -> Transition {
+        Transition([0, 1, 2, 3].map(|i| parameters.scalar(first + i)))
+    }
+
+    /// Speed by a place, Q28.
+    pub(super) fn pull(self) -> i32 {
+        let Transition([_, _, pull, _]) = self;
+        pull
+    }
+
+    /// What becomes of a place, from that of rest, and of a speed.
+    #[inline(always)]
+    pub(super) fn moved(self, from: i32, of_speed: i32) -> (i32, i32) {
+        let Transition([place, speed, pull, coast]) = self;
+        (
+            product(from, place, 30).saturating_add(product(of_speed, speed, 30)),
+            product(from, pull, 28).saturating_add(product(of_speed, coast, 30)),
+        )
+    }
+
     /// `by_pace` in Q16.
     #[inline(always)]
     fn apply(self, valve: &mut Valve, by_pace: i32) {
-        let Transition([place, speed, pull, coast]) = self;
         let from = valve.place.saturating_sub(valve.command);
-        let next = product(from, place, 30).saturating_add(product(valve.speed, speed, 30));
-        let speed = product(from, pull, 28).saturating_add(product(valve.speed, coast, 30));
+        let (next, speed) = self.moved(from, valve.speed);
         let nearer = product(next.saturating_sub(from), by_pace, 16);
         valve.speed = valve.speed.saturating_add(product(speed.saturating_sub(valve.speed), by_pace, 16));
         valve.place = within(valve.place.saturating_add(nearer), 2 * MOST);
@@ -129,8 +191,20 @@ impl Transition {
 }
 
 impl Valve {
+    /// Takes a measured spool, if the drive has one; `null`: the command at which the valve is at its null, counts.
+    #[inline(always)]
+    pub(super) fn sense(&mut self, constants: &Constants, raw: i16, null: i32) {
+        if let Some(spring) = &constants.spring {
+            self.spool.sense(spring, raw, null);
+            self.mean = self.spool.mean;
+        }
+    }
+
     /// The command that brings the spool to a place (Q16), in counts.
     pub(super) fn drive(&mut self, constants: &Constants, by_pace: i32, wanted: i32) -> i32 {
+        if let Some(spring) = &constants.spring {
+            return self.spool.drive(spring, wanted);
+        }
         let first = self.through_play(constants.play);
         constants.output.apply(self, by_pace);
         let goal = if wanted > self.held.saturating_add(NEAR) {

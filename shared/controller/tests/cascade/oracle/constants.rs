@@ -3,6 +3,24 @@
 use pneudrive_controller::Parameters;
 use pneudrive_controller::parameters::id;
 
+/// A land before a port: p and d, counts, and its conductance with the spool at its end.
+pub struct Land {
+    pub port: f64,
+    pub clearance: f64,
+    pub end: f64,
+}
+
+/// A spool that is measured.
+pub struct Spring {
+    pub offset: f64,
+    pub gain: f64,
+    pub first: [f64; 2],
+    pub second: [f64; 2],
+    pub stiction: f64,
+    pub friction: f64,
+    pub still: f64,
+}
+
 /// The constants, as the rig's parameters have them.
 pub struct Constants {
     pub stroke: f64,
@@ -38,14 +56,45 @@ pub struct Constants {
     pub way: [f64; 3],
     pub sensors: [f64; 2],
     pub noise: f64,
+    pub land: Option<Land>,
+    /// a and b of the tubes from the supply and to the exhaust.
+    pub tubes: [[f64; 2]; 2],
+    pub spring: Option<Spring>,
     /// s, m.
     pub period: f64,
     pub count: f64,
 }
 
+fn value(parameters: &Parameters, id: u16, bits: i32) -> f64 {
+    f64::from(parameters.get(id).expect("known id")) / 2.0_f64.powi(bits)
+}
+
+fn land(parameters: &Parameters) -> Option<Land> {
+    let get = |id| value(parameters, id, 16);
+    let (port, clearance) = (get(id::CASCADE_PORT), get(id::CASCADE_CLEARANCE));
+    let t = get(id::CASCADE_SPAN).hypot(clearance) / port;
+    (port > 0.0).then(|| Land { port, clearance, end: t / t.hypot(1.0) })
+}
+
+fn spring(parameters: &Parameters) -> Option<Spring> {
+    let get = |id, bits| value(parameters, id, bits);
+    let by_spring = get(id::CASCADE_SPOOL_OUTPUT_PULL, 28) + get(id::CASCADE_SPOOL_SAMPLE_PULL, 28);
+    let friction = get(id::CASCADE_SPOOL_FRICTION, 16);
+    let gain = get(id::CASCADE_SPOOL_GAIN, 24);
+    (gain != 0.0).then(|| Spring {
+        offset: get(id::CASCADE_SPOOL_OFFSET, 16),
+        gain,
+        first: [get(id::CASCADE_SPOOL_FIRST_WAY, 24), get(id::CASCADE_SPOOL_FIRST_SPEED, 24)],
+        second: [get(id::CASCADE_SPOOL_SECOND_WAY, 24), get(id::CASCADE_SPOOL_SECOND_SPEED, 24)],
+        stiction: get(id::CASCADE_SPOOL_STICTION, 16),
+        friction,
+        still: (0.25 * friction * by_spring.abs()).max(0.25),
+    })
+}
+
 impl Constants {
     pub fn of(parameters: &Parameters) -> Constants {
-        let get = |id, bits: i32| f64::from(parameters.get(id).expect("known id")) / 2.0_f64.powi(bits);
+        let get = |id, bits: i32| value(parameters, id, bits);
         let spool = |first: u16| [get(first, 30), get(first + 1, 30), get(first + 2, 28), get(first + 3, 30)];
         Constants {
             stroke: get(id::CASCADE_STROKE, 0),
@@ -84,6 +133,12 @@ impl Constants {
             ],
             sensors: [get(id::CASCADE_SENSOR_DECAY, 30), get(id::CASCADE_SENSOR_GAIN, 30)],
             noise: get(id::CASCADE_LEARNING_NOISE, 24),
+            land: land(parameters),
+            tubes: [
+                [get(id::CASCADE_TUBE_SUPPLY_CHOKED, 16), get(id::CASCADE_TUBE_SUPPLY_SLIGHT, 16)],
+                [get(id::CASCADE_TUBE_EXHAUST_CHOKED, 16), get(id::CASCADE_TUBE_EXHAUST_SLIGHT, 16)],
+            ],
+            spring: spring(parameters),
             period: get(id::PERIOD_US, 0) * 1e-6,
             count: get(id::ENCODER_PM_PER_COUNT, 0) * 1e-12,
         }

@@ -40,7 +40,7 @@ impl Lag {
     }
 
     pub fn learn(&mut self, c: &Constants, error: f64) {
-        if c.noise == 0.0 {
+        if c.noise == 0.0 || c.lag == 0.0 {
             return;
         }
         let errors = [self.of_flow.error, self.of_change.error];

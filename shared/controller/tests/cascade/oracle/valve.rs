@@ -3,6 +3,7 @@
 use super::air::Air;
 use super::constants::Constants;
 use super::observers::sign_of;
+use super::spring::Spool;
 
 #[derive(Default)]
 pub struct Valve {
@@ -12,17 +13,22 @@ pub struct Valve {
     held: f64,
     first: f64,
     pub mean: f64,
+    spool: Spool,
 }
 
 /// Where the spool has to be; `least`: a rate that is not worth a move.
 pub fn opening(c: &Constants, air: &Air, rate: f64, least: f64) -> f64 {
-    let net = rate - c.leak * (air.extend - air.retract);
-    let open = if net > 0.0 { air.extend } else { air.retract };
-    let share = ((net.abs() + c.leak * open) / open.max(1e-9)).min(1.0);
+    let shut = c.conductance(f64::NEG_INFINITY);
+    let [extends, retracts] = [(air.extend, air.narrow[0]), (air.retract, air.narrow[1])]
+        .map(|(open, narrow)| c.rate(open, narrow, shut));
+    let net = rate - (extends - retracts);
+    let (open, narrow, leak) =
+        if net > 0.0 { (air.extend, air.narrow[0], extends) } else { (air.retract, air.narrow[1], retracts) };
+    let share = ((net.abs() + leak) / open.max(1e-9)).min(1.0);
     if net.abs() < least {
         return 0.0;
     }
-    sign_of(net) * (c.lap + c.span * (share - c.leak).max(0.0) / (1.0 - c.leak)).clamp(0.0, 2048.0)
+    sign_of(net) * c.place(c.part(narrow, share)).clamp(0.0, 2048.0)
 }
 
 impl Valve {
@@ -38,7 +44,17 @@ impl Valve {
         self.s_dot += (speed - v) / pace;
     }
 
+    pub fn sense(&mut self, c: &Constants, raw: i16) {
+        if let Some(spring) = &c.spring {
+            self.spool.sense(spring, raw);
+            self.mean = self.spool.mean;
+        }
+    }
+
     pub fn drive(&mut self, c: &Constants, pace: f64, wanted: f64) -> i16 {
+        if let Some(spring) = &c.spring {
+            return self.spool.drive(c, spring, wanted);
+        }
         self.first = self.through_play(c);
         self.move_spool(c.to_output, pace);
         let (near, play) = (2.0, c.play);
@@ -55,6 +71,10 @@ impl Valve {
 
     /// What was commanded: where that takes the spool until the next sample.
     pub fn commanded(&mut self, c: &Constants, pace: f64, counts: i16) {
+        if let Some(spring) = &c.spring {
+            self.spool.commanded(c, spring, counts);
+            return;
+        }
         self.u = f64::from(counts);
         let (first, middle) = (self.first, self.through_play(c));
         self.move_spool(c.to_sample, pace);
