@@ -18,7 +18,7 @@
 //! | [`sensor`] | the force that pressure sensors with a lag do not show yet |
 //! | [`valve`] | the command for that rate |
 //! | `land`, `tubes` | how far a land before a port opens, and what tubes leave of the flow |
-//! | `spring` | a spool on a spring with friction, that is measured |
+//! | `spring`, `transition` | a spool on a spring with friction, that is measured; how a spool moves |
 //! | [`known`] | what it knows at a sample, to be looked at |
 //! | `number`, `squares` | products, quotients and roots; least squares |
 //!
@@ -47,6 +47,7 @@ pub mod rest;
 pub mod sensor;
 mod spring;
 mod squares;
+mod transition;
 mod tubes;
 pub mod valve;
 pub mod way;
@@ -197,7 +198,7 @@ impl Settings {
 
     /// The limits of a way about a place (counts) with a mass (1/M, Q16): the jerk is that of the flow at three fifths of the supply.
     fn limits(&self, x: i32, by_mass: i32) -> Limits {
-        const MIDDLE: i32 = air::ONE / 5 * 3;
+        const MIDDLE: i32 = number::ONE / 5 * 3;
         let air = self.air.at(x, [MIDDLE; 2]);
         let rate = product(air.extend.min(air.retract), self.way[2], 16);
         let [speed, acceleration, _] = self.way;

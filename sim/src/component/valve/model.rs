@@ -178,6 +178,7 @@ macro_rules! words_where {
 
 words_where!("Models whose lands have areas." WITH_AREAS: |facts| facts.has_areas());
 words_where!("Models by the conductances of their paths." WITH_CONDUCTANCES: |facts| matches!(facts.paths, Paths::Conductances));
+words_where!("Models with a node between lands and port, and with tubes." WITH_NODES_AND_TUBES: |facts| facts.has_node && !facts.replaces_tubes);
 words_where!("Models with lands." WITH_LANDS: |facts| facts.has_lands());
 words_where!("Models with a spool." WITH_SPOOL: |facts| facts.has_spool);
 words_where!("Models with restrictions in place of tubes." WITH_CONNECTORS: |facts| facts.replaces_tubes);

@@ -15,6 +15,7 @@
 //! Three keys of the rig file move these: `controller.cascade_dead_time_factor` multiplies tau, `controller.cascade_observer_factor`
 //! the poles of the observers, and `controller.cascade_flow_share` is the 0.4 of the ways, whose speed has 1.25 times as much.
 
+mod fixed;
 mod paths;
 mod spool;
 
@@ -29,11 +30,12 @@ use crate::component::valve::discharge::DischargeKind;
 use crate::component::valve::flow_force::FlowForceKind;
 use crate::component::valve::iso6358::{Iso6358, REFERENCE_DENSITY, REFERENCE_TEMPERATURE};
 use crate::component::valve::lands::CharacteristicKind as Characteristic;
-use crate::component::valve::model::WITH_CONDUCTANCES;
+use crate::component::valve::model::{WITH_CONDUCTANCES, WITH_NODES_AND_TUBES};
 use crate::component::valve::spool_travel;
 use crate::key::Choice;
 use crate::keys;
 use crate::values::{Findings, Rig};
+use fixed::fixed;
 use paths::Paths;
 use spool::Spool;
 
@@ -46,11 +48,6 @@ const FLOW_POLE: f64 = 0.35;
 const WAY_SPEED: f64 = 1.25;
 /// The noise of a force, part of the exhaust pressure on area 1.
 const FORCE_NOISE: f64 = 0.02;
-
-/// A number in 2^-bits; what does not fit an integer becomes the last one, beyond the range of its parameter.
-fn fixed(value: f64, bits: i32) -> i32 {
-    (value * 2.0_f64.powi(bits)).round() as i32
-}
 
 /// What the law knows of a drive whose rig passes [`check`].
 pub(super) fn values(rig: &Rig) -> Vec<(u16, i32)> {
@@ -283,15 +280,16 @@ fn of_proportional_valve(rig: &Rig) -> Vec<Need> {
 fn of_spring(rig: &Rig) -> Vec<Need> {
     let [supply, exhaust] =
         [&keys::valve::DISCHARGE_SUPPLY, &keys::valve::DISCHARGE_EXHAUST].map(|key| rig.get(key));
+    let by_nodes = format!(
+        "valve.model = \"{}\" with operator.model = \"solenoid\": a land and a port in series",
+        WITH_NODES_AND_TUBES.join("\" or \"")
+    );
     let needs: [(bool, &str); 7] = [
         (
             rig.get(&keys::controller::PERIOD_S) <= 5e-4,
             "controller.period_s of at most 0.0005 with operator.model = \"solenoid\": its spool swings",
         ),
-        (
-            rig.get(&keys::valve::MODEL).word() == "flow-node",
-            "valve.model = \"flow-node\" with operator.model = \"solenoid\": a land and a port in series",
-        ),
+        (WITH_NODES_AND_TUBES.contains(&rig.get(&keys::valve::MODEL).word()), &by_nodes),
         (rig.get(&keys::valve::UNDERLAP_MM) == 0.0, "valve.underlap_mm = 0 with lands: one path at a time"),
         (
             rig.get(&keys::flow_force::FLOW_FORCE) == FlowForceKind::None,

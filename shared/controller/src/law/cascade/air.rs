@@ -20,13 +20,10 @@
 //! | K | Q30 | 0 to 0.7 | 2e-3 of it, at a stroke of 10^6 counts |
 //! | E, R | Q24 | 0 to 32 | 1e-4 of the largest |
 
-use super::number::{product, root};
-use super::tubes::{self, Tubes};
+use super::number::{ONE, product, root};
+use super::tubes::{self, Path, Tubes};
 use crate::fixed::saturate;
 use crate::parameters::{Parameters, id};
-
-/// 1 of a pressure and of a force.
-pub(super) const ONE: i32 = 1 << 24;
 
 /// What it knows of cylinder and valve.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -64,12 +61,6 @@ impl Default for Air {
     fn default() -> Air {
         Air { stiffness: 0, extend: 0, retract: 0, narrow: [tubes::WIDE; 2] }
     }
-}
-
-/// An open path: phi, and the rate of the force by it, Q24.
-pub(super) struct Path {
-    pub up: i32,
-    pub flow: i32,
 }
 
 impl Constants {

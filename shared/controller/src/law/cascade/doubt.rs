@@ -18,8 +18,8 @@
 //!
 //! Forces are Q24, K is Q30, steps are counts.
 
-use super::air::{Air, ONE};
-use super::number::{product, samples};
+use super::air::Air;
+use super::number::{ONE, product, samples};
 use crate::fault::Fault;
 use crate::fixed::quotient;
 use crate::parameters::{Parameters, id};

@@ -16,7 +16,7 @@
 use super::air::{self, Air};
 use super::load::{self, Load};
 use super::motion::Motion;
-use super::number::{product, within};
+use super::number::{ONE, product, within};
 use crate::fixed::saturate;
 use crate::parameters::{Parameters, id};
 use crate::profile::Point;
@@ -47,7 +47,7 @@ pub(super) struct Seen<'a> {
 impl Constants {
     pub(super) fn of(parameters: &Parameters, air: &air::Constants) -> Constants {
         let get = |id| parameters.scalar(id);
-        let pull = product(air::ONE - air.exhaust, air.ratio, 24);
+        let pull = product(ONE - air.exhaust, air.ratio, 24);
         Constants {
             force_pole: get(id::CASCADE_FORCE_POLE),
             position_pole: get(id::CASCADE_POSITION_POLE),

@@ -17,8 +17,7 @@
 //! | forces, M, s as they are used | Q24, Q16, Q16 | |
 //! | filters of speed, force and friction | Q16, Q24, Q24 | 2^14 counts a sample, saturated, 1 |
 
-use super::air::ONE;
-use super::number::{product, ratio, within};
+use super::number::{ONE, product, ratio, within};
 use super::squares::Squares;
 use crate::parameters::{Parameters, id};
 

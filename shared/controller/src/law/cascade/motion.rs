@@ -16,9 +16,8 @@
 //! | d | Q24 | -1 to 1 |
 //! | e | Q16 | 2^15 counts, saturated |
 
-use super::air::ONE;
 use super::load::{self, Load};
-use super::number::{product, ratio, root, within};
+use super::number::{ONE, product, ratio, root, within};
 use crate::fixed::{quotient, saturate};
 use crate::parameters::{Parameters, id};
 

@@ -2,6 +2,9 @@
 
 use crate::fixed::saturate;
 
+/// 1 of a pressure and of a force, Q24.
+pub(super) const ONE: i32 = 1 << 24;
+
 /// `a b / 2^bits`, rounded to the nearest, a half up, and saturated; `bits` from 1 to 62.
 #[inline(always)]
 pub(super) fn product(a: i32, b: i32, bits: u32) -> i32 {

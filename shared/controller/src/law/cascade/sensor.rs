@@ -14,8 +14,7 @@
 //! | e | Q24 | -2 to 2 | 2^-24 (1 + b)/(1 - a) |
 //! | a, b | Q30 | 0 to 1 | |
 
-use super::air;
-use super::number::{product, within};
+use super::number::{ONE, product, within};
 use crate::parameters::{Parameters, id};
 
 /// The lag.
@@ -51,7 +50,7 @@ impl Hidden {
     /// e after a sample with this rate of the force, Q24.
     pub(super) fn take(&mut self, constants: &Constants, rate: i32) -> i32 {
         let left = product(self.force, constants.decay, 30);
-        self.force = within(left.saturating_add(product(rate, constants.gain, 30)), 2 * air::ONE);
+        self.force = within(left.saturating_add(product(rate, constants.gain, 30)), 2 * ONE);
         self.force
     }
 

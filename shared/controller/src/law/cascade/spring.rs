@@ -21,7 +21,7 @@
 //! | a to d | Q24 | -128 to 128 |
 
 use super::number::{product, ratio, within};
-use super::valve::{MOST, Transition};
+use super::transition::{MOST, Transition};
 use crate::parameters::{Parameters, id};
 
 /// Places nearer than this are the same, Q16: 8 counts.

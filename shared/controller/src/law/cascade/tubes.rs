@@ -19,9 +19,14 @@
 //! | w | Q16 | 1 to 16 | 1e-3 of it |
 //! | C, q | Q16 | 0 to 1 | 2e-3 |
 
-use super::air::{ONE, Path};
-use super::number::{product, ratio, root, steepened};
+use super::number::{ONE, product, ratio, root, steepened};
 use crate::parameters::{Parameters, id};
+
+/// An open path: phi, and the rate of the force by it, Q24.
+pub(super) struct Path {
+    pub up: i32,
+    pub flow: i32,
+}
 
 /// w without tubes.
 pub(super) const WIDE: i32 = 1 << 16;

@@ -21,12 +21,10 @@ use super::air::Air;
 use super::land::Land;
 use super::number::{product, ratio, within};
 use super::spring::{self, Spool};
+use super::transition::{MOST, Transition};
 use super::tubes;
-use crate::drive::MAX_COUNTS;
 use crate::parameters::{Parameters, id};
 
-/// Largest command of any drive, Q16.
-pub(super) const MOST: i32 = (MAX_COUNTS as i32) << 16;
 /// Places nearer than this are the same, Q16: 2 counts.
 const NEAR: i32 = 2 << 16;
 
@@ -49,10 +47,6 @@ pub struct Constants {
     land: Option<Land>,
     spring: Option<spring::Constants>,
 }
-
-/// Phi over a time.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Transition([i32; 4]);
 
 /// Where the spool is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -157,40 +151,17 @@ impl Constants {
     }
 }
 
-impl Transition {
-    /// Of four parameters from the first on.
-    pub(super) fn of(parameters: &Parameters, first: u16) -> Transition {
-        Transition([0, 1, 2, 3].map(|i| parameters.scalar(first + i)))
-    }
-
-    /// Speed by a place, Q28.
-    pub(super) fn pull(self) -> i32 {
-        let Transition([_, _, pull, _]) = self;
-        pull
-    }
-
-    /// What becomes of a place, from that of rest, and of a speed.
-    #[inline(always)]
-    pub(super) fn moved(self, from: i32, of_speed: i32) -> (i32, i32) {
-        let Transition([place, speed, pull, coast]) = self;
-        (
-            product(from, place, 30).saturating_add(product(of_speed, speed, 30)),
-            product(from, pull, 28).saturating_add(product(of_speed, coast, 30)),
-        )
-    }
-
-    /// `by_pace` in Q16.
-    #[inline(always)]
-    fn apply(self, valve: &mut Valve, by_pace: i32) {
-        let from = valve.place.saturating_sub(valve.command);
-        let (next, speed) = self.moved(from, valve.speed);
-        let nearer = product(next.saturating_sub(from), by_pace, 16);
-        valve.speed = valve.speed.saturating_add(product(speed.saturating_sub(valve.speed), by_pace, 16));
-        valve.place = within(valve.place.saturating_add(nearer), 2 * MOST);
-    }
-}
-
 impl Valve {
+    /// Goes on over a time; `by_pace` in Q16.
+    #[inline(always)]
+    fn go_on(&mut self, over: Transition, by_pace: i32) {
+        let from = self.place.saturating_sub(self.command);
+        let (next, speed) = over.moved(from, self.speed);
+        let nearer = product(next.saturating_sub(from), by_pace, 16);
+        self.speed = self.speed.saturating_add(product(speed.saturating_sub(self.speed), by_pace, 16));
+        self.place = within(self.place.saturating_add(nearer), 2 * MOST);
+    }
+
     /// Takes a measured spool, if the drive has one; `null`: the command at which the valve is at its null, counts.
     #[inline(always)]
     pub(super) fn sense(&mut self, constants: &Constants, raw: i16, null: i32) {
@@ -206,7 +177,7 @@ impl Valve {
             return self.spool.drive(spring, wanted);
         }
         let first = self.through_play(constants.play);
-        constants.output.apply(self, by_pace);
+        self.go_on(constants.output, by_pace);
         let goal = if wanted > self.held.saturating_add(NEAR) {
             wanted.saturating_add(constants.play)
         } else if wanted < self.held.saturating_sub(NEAR) {
@@ -222,7 +193,7 @@ impl Valve {
         let counts = (command.saturating_add(1 << 15) >> 16).min(constants.largest).max(-constants.largest);
         self.command = counts << 16;
         let middle = self.through_play(constants.play);
-        constants.sample.apply(self, by_pace);
+        self.go_on(constants.sample, by_pace);
         let last = self.through_play(constants.play);
         let before = product(first.saturating_add(middle), constants.share, 17);
         let after = product(middle.saturating_add(last), (1 << 16) - constants.share, 17);

@@ -10,7 +10,7 @@
 
 use pneudrive_controller::parameters::id;
 
-use super::fixed;
+use super::fixed::fixed;
 use crate::component::operator::{OperatorKind, Oscillator};
 use crate::component::valve::spool_travel;
 use crate::keys;
