@@ -262,6 +262,31 @@ pub fn stepper(start: Start) {
     assert_equal_in_every_integer(&*start(&rig), &rig);
 }
 
+/// Servo-drive C under the law on a model, which follows its spool by the sensor.
+#[must_use]
+pub fn with_a_measured_spool() -> Rig {
+    rig(
+        "servo-c",
+        &[
+            "controller.law=cascade",
+            "controller.period_s=0.0005",
+            "controller.delay_s=0.0002",
+            "operator.dither_mm=0",
+            "test.moves=[[0.0, 8192], [0.1, 13171], [0.7, 8192]]",
+            "test.duration_s=1.2",
+        ],
+    )
+}
+
+/// A spool on a spring that its sensor shows to the law, behind ports and tubes.
+///
+/// # Panics
+/// When the record is not the simulation.
+pub fn a_measured_spool(start: Start) {
+    let rig = with_a_measured_spool();
+    assert_equal_in_every_integer(&*start(&rig), &rig);
+}
+
 /// The inputs of an execution level's record, as `pneudrive record` leaves it, through the controller on the PC.
 /// The recorded inputs make the recorded outputs on the PC: what is done with a record from a real cylinder.
 ///

@@ -18,8 +18,9 @@ pub const MAX_INSTRUCTIONS: u64 = 480;
 /// The same of the first sample of a run.
 pub const MAX_INSTRUCTIONS_OF_FIRST: u64 = 490;
 
-/// What both may take under the law cascade, in the mean of a run and at most.
-pub const BUDGET_OF_CASCADE: (f64, u64) = (2500.0, 4000);
+/// What both may take under the law cascade, in the mean of a run and at most: on a drive by its data sheets, and on one whose
+/// spool is measured behind tubes, which is not yet within the former.
+pub const BUDGETS_OF_CASCADE: [(f64, u64); 2] = [(2500.0, 4000), (4400.0, 7100)];
 
 /// A run and what it has cost.
 pub struct Cost {
@@ -42,17 +43,21 @@ pub fn measure() -> Result<Vec<Cost>> {
     runs().into_iter().map(cost).collect()
 }
 
-/// What the law cascade costs on a drive by its data sheets, there and back.
+/// What the law cascade costs, there and back, on the drives of [`BUDGETS_OF_CASCADE`].
 ///
 /// # Errors
 /// When there is no emulated board.
-pub fn measure_cascade() -> Result<Cost> {
+pub fn measure_cascade() -> Result<Vec<Cost>> {
     let text = include_str!("../../sim/tests/cascade/press.toml");
     let moves = "test.moves=[[0.1, 12250], [0.8, 3000]]".to_owned();
-    let rig = Rig::read_with("press", text, &[moves])?;
-    let target = QemuTarget::start(&rig)?;
-    let _ = body::run_and_record(&target, &rig);
-    Ok(Cost { run: "press, on a model".to_owned(), figures: target.board().figures() })
+    let press = Rig::read_with("press", text, &[moves])?;
+    let cost = |(run, rig): (&str, Rig)| {
+        let target = QemuTarget::start(&rig)?;
+        let _ = body::run_and_record(&target, &rig);
+        Ok(Cost { run: run.to_owned(), figures: target.board().figures() })
+    };
+    let runs = [("press, on a model", press), ("servo-c, on a model", body::with_a_measured_spool())];
+    runs.into_iter().map(cost).collect()
 }
 
 /// The figures as a table of Markdown.

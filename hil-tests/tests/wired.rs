@@ -58,6 +58,11 @@ fn a_board_of_chips_without_pressure_sensors_records_none() {
     body::without_pressure_sensors(wired);
 }
 
+#[test]
+fn a_board_of_chips_follows_a_measured_spool_as_the_simulation_does() {
+    body::a_measured_spool(wired);
+}
+
 /// The modelled microcontroller has none.
 #[test]
 fn a_board_of_chips_without_a_watchdog_says_so() {

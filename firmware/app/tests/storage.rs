@@ -15,7 +15,7 @@ use proptest::prelude::*;
 
 type Nor = Flash<8>;
 
-const SLOT: u32 = 6 * SECTOR as u32;
+const SLOT: u32 = 7 * SECTOR as u32;
 const SLOTS: [Range<u32>; 2] = [0..SLOT, SLOT..2 * SLOT];
 
 /// Five pairs of format 1 under generation 41: velocity gain 1000, an id that no program had, null
@@ -39,7 +39,7 @@ struct StorageBench {
 
 impl StorageBench {
     fn blank() -> StorageBench {
-        let flash = Nor::new(12);
+        let flash = Nor::new(14);
         let store = ConfigStore::new(&flash, SLOTS).expect("room for two");
         StorageBench { flash, store }
     }
@@ -113,7 +113,7 @@ fn words_that_were_programmed_to_all_ones_are_still_blank_and_take_the_first_sav
     assert_eq!(bench.load().outcome, Outcome::NeverSaved);
     bench.save(&with_gain(1));
     assert_eq!(bench.loaded().0, with_gain(1));
-    assert_eq!(bench.flash.erases, [0; 12], "an erase that is cut would leave what looks like a loss");
+    assert_eq!(bench.flash.erases, [0; 14], "an erase that is cut would leave what looks like a loss");
 }
 
 #[test]
@@ -297,9 +297,9 @@ fn wear_alternates_between_the_slots() {
     (0..101).for_each(|gain| {
         bench.save(&with_gain(gain));
     });
-    let (first, second) = bench.flash.erases.split_at(6);
-    assert_eq!(first, [50; 6], "the first save found a blank slot");
-    assert_eq!(second, [50; 6]);
+    let (first, second) = bench.flash.erases.split_at(7);
+    assert_eq!(first, [50; 7], "the first save found a blank slot");
+    assert_eq!(second, [50; 7]);
 }
 
 #[test]
@@ -317,7 +317,7 @@ fn the_newest_configuration_is_found_across_the_wrap_of_the_generation() {
 
 #[test]
 fn slots_are_whole_sectors_of_the_flash_with_room_that_do_not_overlap() {
-    let flash = Nor::new(12);
+    let flash = Nor::new(14);
     let new = |first, second| ConfigStore::new(&flash, [first, second]).map(|_| ());
     assert_eq!(new(0..SLOT, SLOT..2 * SLOT), Ok(()));
     assert_eq!(new(SLOT..2 * SLOT, 0..SLOT), Ok(()));

@@ -9,7 +9,7 @@ use pneudrive_controller::Parameters;
 use pneudrive_controller::parameters::id;
 use proptest::prelude::*;
 
-const SLOT: u32 = 6 * SECTOR as u32;
+const SLOT: u32 = 7 * SECTOR as u32;
 const SLOTS: [Range<u32>; 2] = [0..SLOT, SLOT..2 * SLOT];
 
 /// What a drive starts with: the saved velocity gain, or why there is none.
@@ -23,7 +23,7 @@ struct PowerCutBench<const WRITE: usize> {
 
 impl<const WRITE: usize> PowerCutBench<WRITE> {
     fn new() -> Self {
-        let flash = Flash::new(12);
+        let flash = Flash::new(14);
         let store = ConfigStore::new(&flash, SLOTS).expect("room for two");
         PowerCutBench { flash, store }
     }

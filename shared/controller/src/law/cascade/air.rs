@@ -9,7 +9,7 @@
 //! retracting  R = c_e phi(P1, k_e (1 - Pe/P1))/L1 + c_s phi(1, k_s (1 - P2))/L2
 //! ```
 //!
-//! Pressures are parts of the supply's, forces parts of what that does on area 1. k = 1/(1 - b). [`super::tubes`] has what tubes leave of E
+//! Pressures are parts of the supply's, forces parts of what that does on area 1. k = 1/(1 - b). `tubes` has what tubes leave of E
 //! and R.
 //!
 //! | quantity | format | range | largest error |

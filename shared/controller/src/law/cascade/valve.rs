@@ -6,7 +6,7 @@
 //!                                                               of which a slower spool makes the part 1/pace ([`super::lag`])
 //! command     u = s + b^2 (goal - s) - (b - 1) D/w^2 s'         b = 1.5: as if the spool were so much faster
 //! goal        z +- half of the play when it has to be passed; within 2 counts of it the spool stays where it is
-//! behind a port or tubes   C and z by [`super::land`], E and R of a part that is open by [`super::tubes`]; a measured spool: [`super::spring`]
+//! behind a port or tubes   C and z by `land`, E and R of a part that is open by `tubes`; a measured spool: `spring`
 //! ```
 //!
 //! | quantity | format | range | largest error |
