@@ -362,17 +362,21 @@ impl Now {
         }
     }
 
-    /// The model of the parameters, built unless it is there.
+    /// The model of the parameters, built unless it is there. One that cannot be tuned stays as it was.
     fn build(&mut self, fixed: &Fixed) -> Result<&mut FmuModel> {
-        let mut built = match self.model.take() {
-            Some(built) => built,
-            None => self.built(fixed)?,
+        let tuned = match &self.model {
+            Some(built) if self.untuned => Some(self.tuned(fixed, &built.rig)?),
+            _ => None,
         };
-        if std::mem::take(&mut self.untuned) {
-            let rig = self.tuned(fixed, &built.rig)?;
-            built.model.retune(&rig)?;
+        if self.model.is_none() {
+            self.model = Some(self.built(fixed)?);
         }
-        Ok(&mut self.model.insert(built).model)
+        let model = &mut self.model.as_mut().context("it was not built")?.model;
+        if let Some(rig) = tuned {
+            model.retune(&rig)?;
+        }
+        self.untuned = false;
+        Ok(model)
     }
 
     /// The settings of keys that have another value than in a rig.

@@ -344,6 +344,23 @@ fn friction_that_sticks_less_than_it_slides_fails_the_next_step_and_says_why() {
     assert!(format!("{refused:#}").contains("load.coulomb_extend_n"), "{refused:#}");
 }
 
+#[test]
+fn a_value_that_is_asked_for_under_contradicting_friction_is_refused_and_nothing_is_lost() {
+    let rig = rig("servo-b-tuned", &[]);
+    let mut plant = Fmu::new(Part::Plant, &rig, &[]);
+    plant.set("command_counts", Value::Integer(600)).expect("a command");
+    plant.step(60.0 * period(&rig));
+    let (before, usual) = (plant.get("position_m"), plant.get("load.static_extend_n"));
+    plant.set("load.static_extend_n", Value::Float(1.0)).expect("a friction in its range");
+    let (reference, kind) = plant.of("position_m");
+    for _ in 0..2 {
+        let refused = plant.instance.get(reference, kind).expect_err("less than the friction of motion");
+        assert!(format!("{refused:#}").contains("load.coulomb_extend_n"), "{refused:#}");
+    }
+    plant.set("load.static_extend_n", usual).expect("as it was");
+    assert_eq!(plant.get("position_m"), before, "it is where it was");
+}
+
 /// A controller that is apart from the plant cannot know that its load has changed.
 #[test]
 fn a_load_that_changes_is_unknown_to_the_controller_and_a_gain_is_not() {

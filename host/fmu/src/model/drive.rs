@@ -41,10 +41,11 @@ impl DriveModel {
         Ok(DriveModel { controller, plant: Plant::new(rig, choices.seed)?, pulse: pulse(rig) })
     }
 
-    /// From the present sample on it has the tunable values of another rig.
+    /// From the present sample on it has the tunable values of another rig. Only the controller refuses any: it goes first.
     pub fn retune(&mut self, rig: &Rig) -> Result<()> {
+        self.controller.retune(rig)?;
         self.plant.retune(rig);
-        self.controller.retune(rig)
+        Ok(())
     }
 
     /// To the next sample.
