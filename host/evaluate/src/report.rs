@@ -66,29 +66,30 @@ pub fn panels(transients: &[Transient]) -> Vec<Panel> {
     graphs.chain(extra_panels(transients)).collect()
 }
 
-/// Graphs of the columns that not every trace has: title with unit, the end of their names, and the factor from the unit
-/// of the column.
+/// Graphs of the columns that not every trace has: title with unit, what their names end in, and the factor from the unit
+/// of the column. A name ends in its unit, which its label leaves out; a column without a unit is named whole.
 const EXTRA_GRAPHS: [(&str, &str, f64); 11] = [
     ("pressures in the valve, kPa", "_pa", 1e-3),
     ("temperatures in the valve, K", "_k", 1.0),
     ("flows of the lands, g/s", "_kg_s", 1e3),
     ("places in the law, mm", "_mm", 1.0),
-    ("velocities in the law, m/s", "velocity_m_s", 1.0),
+    ("velocities in the law, m/s", "_m_s", 1.0),
     ("forces in the law, N", "_n", 1.0),
     ("learned mass, kg", "_kg", 1.0),
     ("learned friction, parts", "_share", 1.0),
     ("learned lag, ms", "_ms", 1.0),
-    ("phase of the law", "_phase", 1.0),
-    ("looseness of its rest", "_looseness", 1.0),
+    ("phase of the law", "law_phase", 1.0),
+    ("looseness of its rest", "law_looseness", 1.0),
 ];
 
 /// Those of [`EXTRA_GRAPHS`] of which a transient has a column.
 fn extra_panels(transients: &[Transient]) -> impl Iterator<Item = Panel> {
-    EXTRA_GRAPHS.iter().filter_map(|&(title, unit, factor)| {
+    EXTRA_GRAPHS.iter().filter_map(|&(title, end, factor)| {
         let curves = transients.iter().flat_map(|transient| {
-            let of_unit = transient.extras.iter().filter(move |(extra, _)| extra.name.ends_with(unit));
-            of_unit.map(move |(extra, values)| {
-                let label = extra.name.trim_end_matches(unit).replace('_', " ");
+            let of_graph = transient.extras.iter().filter(move |(extra, _)| extra.name.ends_with(end));
+            of_graph.map(move |(extra, values)| {
+                let label = extra.name.strip_suffix(end).filter(|label| !label.is_empty());
+                let label = label.unwrap_or(extra.name).replace('_', " ");
                 let values = values.iter().map(|value| factor * value).collect();
                 Curve::new(&format!("{label}, {}", transient.name), transient.time.clone(), values)
             })
@@ -123,5 +124,37 @@ fn curve(transient: &Transient, number: usize, channel: usize, label: &str) -> C
             (false, _) => Look::Dashed,
         },
         colour: Some(COLOURS[number % COLOURS.len()][channel]),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use pneudrive_sim::trace::EXTRAS;
+    use pneudrive_sim::{Accuracy, Rig, run};
+
+    use super::*;
+
+    fn with_every_column() -> Transient {
+        let rig = Rig::builtin("servo-b").expect("a built-in rig");
+        let rig = rig.with_settings(&["test.duration_s=0.01".to_owned()]).expect("a valid rig");
+        let trace = run(&rig, Accuracy::of_motion(&rig)).expect("a transient");
+        let extras = EXTRAS.iter().map(|extra| (extra, vec![0.0])).collect();
+        Transient { extras, ..Transient::of_simulation("one", &rig, &trace) }
+    }
+
+    #[test]
+    fn each_curve_has_a_name_of_its_own() {
+        let transients = [with_every_column()];
+        let panels = extra_panels(&transients);
+        let names: Vec<String> = panels.flat_map(|panel| panel.curves).map(|curve| curve.name).collect();
+        assert_eq!(names.len(), EXTRAS.len(), "each column is in one graph");
+        let unlike: BTreeSet<&String> = names.iter().collect();
+        assert_eq!(unlike.len(), names.len(), "{names:#?}");
+        for name in names {
+            let label = name.strip_suffix(", one").expect("the transient is named");
+            assert!(label.trim() == label && label != "law", "{name:?} says what it shows");
+        }
     }
 }
