@@ -1,4 +1,4 @@
-//! Writes the table of docs/firmware-figures.md anew; `cargo xtask figures` calls it.
+//! Writes the table of docs/reference/firmware-figures.md anew; `cargo xtask figures` calls it.
 
 #[cfg(unix)]
 fn main() -> anyhow::Result<()> {

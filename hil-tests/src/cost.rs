@@ -87,7 +87,7 @@ pub fn together(costs: &[Cost]) -> (Spread, Spread) {
     })
 }
 
-/// The table's name in docs/firmware-figures.md.
+/// The table's name in docs/reference/firmware-figures.md.
 pub const TABLE: &str = "instructions";
 
 /// Measures, and writes the table of the document anew.

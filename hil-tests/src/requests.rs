@@ -23,7 +23,7 @@ const FAULTS: u32 = 100;
 
 /// A question that a host may ask an enabled drive.
 pub struct Question {
-    /// Its name in docs/firmware-figures.md.
+    /// Its name in docs/reference/firmware-figures.md.
     pub name: &'static str,
     /// Asks it; an error if the drive does not answer as it must.
     pub ask: fn(&mut Client, &Rig) -> Result<()>,

@@ -8,7 +8,7 @@ use tempfile::TempDir;
 
 use crate::program;
 
-/// The exit code of a request that the rig refuses (docs/exit-codes.md).
+/// The exit code of a request that the rig refuses (docs/reference/exit-codes.md).
 const REFUSED: i32 = 5;
 
 /// A folder to type in, and the port that `device` means.

@@ -1,4 +1,4 @@
-//! The control interrupt costs what docs/firmware-figures.md says, and no more than is held: exact
+//! The control interrupt costs what docs/reference/firmware-figures.md says, and no more than is held: exact
 //! instructions of whole runs in the emulator.
 #![cfg(unix)]
 

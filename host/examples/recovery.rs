@@ -5,7 +5,7 @@
 //! cargo run --release -p pneudrive --example recovery -- 100 shipped|any|scaled|lacking|quiet|quiet-lacking [FIRST SEED]
 //! ```
 //!
-//! Each rig is served and identified by the program itself, as a user does it. The tables of docs/identification.md are its
+//! Each rig is served and identified by the program itself, as a user does it. The tables of docs/howto/identification.md are its
 //! output.
 
 #[path = "../tests/hidden_rigs/mod.rs"]

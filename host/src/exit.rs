@@ -142,7 +142,7 @@ mod tests {
     #[test]
     fn the_table_has_every_code_once_in_order_and_the_documentation_has_the_table() {
         assert!(EXITS.is_sorted_by(|(a, _), (b, _)| (*a as u8) < (*b as u8)));
-        let documented = include_str!("../../docs/exit-codes.md");
+        let documented = include_str!("../../docs/reference/exit-codes.md");
         let rows: Vec<&str> = documented.lines().filter(|line| line.starts_with("| ")).skip(1).collect();
         let row = |(exit, meaning): &(Exit, &str)| format!("| {} | {meaning} |", *exit as u8);
         let table: Vec<String> = EXITS.iter().map(row).collect();

@@ -1,4 +1,4 @@
-//! `--json`: the figures of a command as one document on standard output, instead of its text (docs/json.md).
+//! `--json`: the figures of a command as one document on standard output, instead of its text (docs/reference/json.md).
 //!
 //! ```json
 //! { "format": "pneudrive-eval 1", "program": "0.1.0", "exit": 0, "error": null, "result": { "moves": [] } }
@@ -73,7 +73,7 @@ fn below(command: Command, before: &str) -> Command {
         if version(&typed).is_none() {
             return subcommand;
         }
-        let help = "Print the figures as a JSON document instead of text (docs/json.md)";
+        let help = "Print the figures as a JSON document instead of text (docs/reference/json.md)";
         subcommand.arg(Arg::new(JSON).long(JSON).action(ArgAction::SetTrue).help(help))
     })
 }

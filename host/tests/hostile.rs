@@ -84,7 +84,7 @@ fn is_clean(text: &str) -> bool {
     !text.chars().any(|c| (c.is_control() && c != '\n') || ('\u{202a}'..='\u{202e}').contains(&c))
 }
 
-/// How a command may end: done, or with one of the failures that docs/exit-codes.md has of a rig.
+/// How a command may end: done, or with one of the failures that docs/reference/exit-codes.md has of a rig.
 const ENDS: [i32; 6] = [0, 1, 4, 5, 6, 7];
 
 /// What is wrong with how a command gets along with a lie.

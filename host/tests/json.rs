@@ -1,4 +1,4 @@
-//! `--json`: what every command that prints figures gives to programs, by the tables of docs/json.md.
+//! `--json`: what every command that prints figures gives to programs, by the tables of docs/reference/json.md.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -10,11 +10,11 @@ use serde_json::Value;
 
 use crate::program::{self, folder, pneudrive, unhurried_rig, virtual_rig, with_line};
 
-/// The fields of a command in docs/json.md, by their places: `moves[].rise_s` is of type `range`.
+/// The fields of a command in docs/reference/json.md, by their places: `moves[].rise_s` is of type `range`.
 fn documented(command: &str) -> BTreeMap<String, String> {
-    let page = include_str!("../../docs/json.md");
+    let page = include_str!("../../docs/reference/json.md");
     let section = page.split("\n## ").find(|section| section.lines().next() == Some(command));
-    let section = section.unwrap_or_else(|| panic!("docs/json.md has a section {command}"));
+    let section = section.unwrap_or_else(|| panic!("docs/reference/json.md has a section {command}"));
     let mut fields = BTreeMap::new();
     for row in section.lines().filter(|line| line.starts_with("| `")) {
         let cells: Vec<&str> = row.trim_matches('|').split(" | ").map(str::trim).collect();
@@ -42,7 +42,7 @@ fn compare(value: &Value, place: &str, fields: &BTreeMap<String, String>, seen: 
                 compare(one, &below(if is_free { "*" } else { name }), fields, seen);
             }
         }
-        _ => panic!("docs/json.md does not have {place}: {value}"),
+        _ => panic!("docs/reference/json.md does not have {place}: {value}"),
     }
 }
 

@@ -1,10 +1,12 @@
-//! What docs/rigs.md says that the built-in rigs reach.
+//! What docs/explanation/rigs.md says that the built-in rigs reach.
 
 use crate::program::{folder, ok};
 
 /// The cells of a rig in the table.
 fn stated(rig: &str) -> Vec<String> {
-    let row = include_str!("../../docs/rigs.md").lines().find(|line| line.starts_with(&format!("| {rig} |")));
+    let row = include_str!("../../docs/explanation/rigs.md")
+        .lines()
+        .find(|line| line.starts_with(&format!("| {rig} |")));
     let row = row.unwrap_or_else(|| panic!("{rig} has a row"));
     row.trim_matches('|').split('|').map(|cell| cell.trim().to_owned()).collect()
 }

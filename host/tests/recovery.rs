@@ -1,4 +1,4 @@
-//! An identification finds what a virtual rig hides, as exactly as it says; docs/identification.md has a hundred rigs.
+//! An identification finds what a virtual rig hides, as exactly as it says; docs/howto/identification.md has a hundred rigs.
 
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;

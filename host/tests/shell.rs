@@ -120,18 +120,18 @@ fn the_version_tells_what_the_program_understands() {
 /// The documents that show commands.
 const PAGES: [&str; 13] = [
     include_str!("../../README.md"),
-    include_str!("../../docs/bring-up.md"),
-    include_str!("../../docs/commands.md"),
-    include_str!("../../docs/first-hour.md"),
-    include_str!("../../docs/fmu.md"),
-    include_str!("../../docs/identification.md"),
-    include_str!("../../docs/json.md"),
-    include_str!("../../docs/logs.md"),
-    include_str!("../../docs/own-drive.md"),
-    include_str!("../../docs/profiles.md"),
-    include_str!("../../docs/studio.md"),
-    include_str!("../../docs/thesis.md"),
-    include_str!("../../docs/without-a-pc.md"),
+    include_str!("../../docs/howto/bring-up.md"),
+    include_str!("../../docs/reference/commands.md"),
+    include_str!("../../docs/howto/first-hour.md"),
+    include_str!("../../docs/howto/fmu.md"),
+    include_str!("../../docs/howto/identification.md"),
+    include_str!("../../docs/reference/json.md"),
+    include_str!("../../docs/howto/logs.md"),
+    include_str!("../../docs/howto/own-drive.md"),
+    include_str!("../../docs/howto/profiles.md"),
+    include_str!("../../docs/howto/studio.md"),
+    include_str!("../../docs/explanation/thesis.md"),
+    include_str!("../../docs/howto/without-a-pc.md"),
 ];
 
 /// The words of a command line as a shell takes them, up to a comment or a pipe.
@@ -170,7 +170,7 @@ fn every_command_that_a_document_shows_is_accepted() {
 
 #[test]
 fn the_page_of_commands_lists_every_one_and_no_other() {
-    let page = include_str!("../../docs/commands.md");
+    let page = include_str!("../../docs/reference/commands.md");
     let rows = page.lines().filter_map(|line| line.strip_prefix("| `pneudrive "));
     let listed: BTreeSet<&str> = rows.filter_map(|row| row.split([' ', '`']).next()).collect();
     let command = Cli::command();

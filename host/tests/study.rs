@@ -8,7 +8,7 @@ use pneudrive_thesis::study::{STARTS, STUDIES, Studied, index, page, run};
 
 use crate::program::{exists, folder, ok, transcript};
 
-/// What the model shows, as docs/thesis.md and README have it. A change of the model that changes a
+/// What the model shows, as docs/explanation/thesis.md and README have it. A change of the model that changes a
 /// verdict is told by the test below that runs all of them: find out why before a line is changed.
 const VERDICTS: [(&str, &[Verdict]); 12] = [
     ("lut-stepper", &[Agrees, Open]),
@@ -74,14 +74,14 @@ fn the_documentation_has_the_counts_and_the_verdicts_of_the_last_whole_run() {
         count(Depends),
         count(Open)
     );
-    let page = include_str!("../../docs/trust.md").replace('\n', " ");
-    assert!(page.contains(&printed), "docs/trust.md has other counts than: {printed}");
-    let table = include_str!("../../docs/thesis.md");
+    let page = include_str!("../../docs/explanation/trust.md").replace('\n', " ");
+    assert!(page.contains(&printed), "docs/explanation/trust.md has other counts than: {printed}");
+    let table = include_str!("../../docs/explanation/thesis.md");
     for (study, (name, verdicts)) in STUDIES.iter().zip(VERDICTS) {
         assert_eq!((study.name, study.statements.len()), (name, verdicts.len()));
         for (statement, verdict) in study.statements.iter().zip(verdicts) {
             let begins = format!("| {name} | {} | {} |", statement.thesis, verdict.word());
-            assert!(table.contains(&begins), "docs/thesis.md lacks: {begins}");
+            assert!(table.contains(&begins), "docs/explanation/thesis.md lacks: {begins}");
         }
     }
 }

@@ -42,10 +42,10 @@ fn the_golden_file_has_every_exhibit_and_the_readme_its_counts() {
     assert!(readme.contains(counts.trim_end_matches('.')), "README has other counts than: {counts}");
 }
 
-/// docs/thesis-audit.md: a row for each item that the thesis describes.
+/// docs/reference/thesis-audit.md: a row for each item that the thesis describes.
 #[test]
 fn the_audit_counts_its_rows() {
-    let audit = include_str!("../../docs/thesis-audit.md");
+    let audit = include_str!("../../docs/reference/thesis-audit.md");
     let rows: Vec<Vec<&str>> = audit
         .lines()
         .filter(|line| line.starts_with("| ") && !line.starts_with("| item"))

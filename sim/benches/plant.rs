@@ -1,5 +1,5 @@
 //! What a run is made of, in time: `cargo bench -p pneudrive-sim`. What it costs in counts, on any machine, is in
-//! docs/counts.md.
+//! docs/reference/counts.md.
 
 use std::hint::black_box;
 
@@ -64,7 +64,7 @@ fn right_hand_side(criterion: &mut Criterion) {
     });
 }
 
-/// The reference cases that docs/speed.md compares with a specialised program.
+/// The reference cases that docs/explanation/speed.md compares with a specialised program.
 const CASES: [&str; 6] =
     ["A_closed", "A_open_quarter", "A_open_taulag", "B_open_nodither", "B_open_dither", "B_closed_damped"];
 

@@ -19,7 +19,7 @@
 //! agree at the same time. If no coarser one is left, two finer ones are compared. Where rounding sets the errors, a
 //! finer integration is no more exact than the run. The coarser ones then show how far errors grow, and the floor of f_k
 //! is a part of their distance. Two decades of tolerance usually change the error 60-fold. So c_k is some 60 times the
-//! error, and its floor three fifths of it. docs/agreement.md has measured how often each bound holds.
+//! error, and its floor three fifths of it. docs/explanation/agreement.md has measured how often each bound holds.
 
 use crate::component::controller;
 use crate::component::sensors::Sensors;

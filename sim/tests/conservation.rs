@@ -136,7 +136,7 @@ fn balance_energy(coefficient: f64) {
 }
 
 /// A row's flows are slopes of masses; these are the flows that the valve's equations give at the same instant, to
-/// 0.003 % of what the valve can pass (docs/agreement.md).
+/// 0.003 % of what the valve can pass (docs/explanation/agreement.md).
 #[test]
 fn the_flows_of_a_row_are_those_through_the_valve() {
     let leaks = ["actuator.leakage=laminar", "actuator.leakage_coefficient=1e-9"];

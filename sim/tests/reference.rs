@@ -114,7 +114,7 @@ fn continuous_controller() {
     agrees("B_closed_cont", 0.70, 1e-6, 10.0);
 }
 
-/// What docs/speed.md compares is as exact as what it is compared with.
+/// What docs/explanation/speed.md compares is as exact as what it is compared with.
 #[test]
 fn at_their_loosest_tolerances_the_compared_cases_are_within_a_micrometre_and_10_pa() {
     let holds = |case: &str, tolerance: f64| {

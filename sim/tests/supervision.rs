@@ -1,5 +1,5 @@
 //! What the supervisor makes of each fault of the twin: its named code, or nothing, because from what the
-//! controller is given it cannot be noticed. docs/faults.md has the same table in words.
+//! controller is given it cannot be noticed. docs/reference/faults.md has the same table in words.
 
 use pneudrive_controller::Fault;
 use pneudrive_sim::{Accuracy, Rig, Run, run};

@@ -48,14 +48,30 @@ impl Page {
     }
 }
 
+/// The documents of a folder and of those in it.
+fn inside(folder: &str) -> Vec<String> {
+    let entries = fs::read_dir(root().join(folder)).expect("a folder").filter_map(Result::ok);
+    let of = |entry: fs::DirEntry| {
+        let path = format!("{folder}/{}", entry.file_name().to_str().expect("a name"));
+        match entry.path().is_dir() {
+            true => inside(&path),
+            false => Vec::from_iter(path.ends_with(".md").then_some(path)),
+        }
+    };
+    entries.flat_map(of).collect()
+}
+
 /// The documents that speak of today's sources.
 fn pages() -> Vec<Page> {
-    let inside = fs::read_dir(root().join("docs")).expect("docs").filter_map(Result::ok);
-    let names = inside.filter_map(|entry| entry.file_name().into_string().ok());
-    let docs = names.filter(|name| name.ends_with(".md")).map(|name| format!("docs/{name}"));
     let others = ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "hil-tests/flashed-image/README.md"];
     let boards = ["firmware/nucleo-f446/README.md", "firmware/pico2/README.md", "host/python/README.md"];
-    others.into_iter().chain(boards).map(str::to_owned).chain(docs).map(|path| Page::of(&path)).collect()
+    others
+        .into_iter()
+        .chain(boards)
+        .map(str::to_owned)
+        .chain(inside("docs"))
+        .map(|path| Page::of(&path))
+        .collect()
 }
 
 /// `a/{b,c}.rs` as `a/b.rs` and `a/c.rs`.

@@ -53,7 +53,7 @@ pub fn changed_rounding() -> Result<Command> {
     cargo(&CHANGED_ROUNDING)
 }
 
-/// Every body, deadlines and hazards; `write` rewrites the table of docs/hazards.md.
+/// Every body, deadlines and hazards; `write` rewrites the table of docs/explanation/hazards.md.
 ///
 /// # Errors
 /// As [`cargo`].

@@ -1,4 +1,4 @@
-//! The instructions of simulator runs, counted by valgrind, and their table in docs/counts.md.
+//! The instructions of simulator runs, counted by valgrind, and their table in docs/reference/counts.md.
 //!
 //! On one machine they repeat to within a few; on another processor family they differ, and are not compared.
 

@@ -54,7 +54,7 @@ enum Command {
     },
     /// Every test body, deadlines and hazards on the image that is flashed, executed with models of its peripherals
     Flashed {
-        /// Write the table of docs/hazards.md anew
+        /// Write the table of docs/explanation/hazards.md anew
         #[arg(long)]
         write: bool,
     },
@@ -67,9 +67,9 @@ enum Command {
     /// Change one rounding in a copy of the sources: the test that the execution levels are equal must fail
     ProveRounding,
     /// Measure the instructions of the control in the emulator, read flash, memory and stack from the images, and
-    /// write the tables of docs/firmware-figures.md anew
+    /// write the tables of docs/reference/firmware-figures.md anew
     Figures,
-    /// Count what the simulator's runs cost, in evaluations and in instructions, and write the tables of docs/counts.md
+    /// Count what the simulator's runs cost, in evaluations and in instructions, and write the tables of docs/reference/counts.md
     /// anew
     Cost,
     /// Run the simulator on emulated processors without AVX, where the results must be the same bits: installs qemu-user
@@ -128,7 +128,13 @@ mod tests {
     #[test]
     fn the_guide_names_only_commands_that_there_are() {
         let known = Arguments::command();
-        for page in ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "docs/trust.md", "docs/link.md"] {
+        for page in [
+            "README.md",
+            "ARCHITECTURE.md",
+            "CONTRIBUTING.md",
+            "docs/explanation/trust.md",
+            "docs/reference/link.md",
+        ] {
             let text = std::fs::read_to_string(pneudrive_build::cargo::root().join(page)).expect(page);
             let words = text.split("cargo xtask").skip(1).filter_map(|rest| rest.split_whitespace().next());
             for word in words.map(|word| word.trim_end_matches(|one: char| !one.is_alphanumeric())) {

@@ -1,7 +1,7 @@
 //! The drive as its two users share it: the interrupt that controls it, and the task that talks to the host.
 //!
 //! The interrupt may come at any time during a request. So the request locks the drive only for the pieces of work
-//! that need it. Each of them is short (docs/firmware-figures.md). Decoding a request, framing its reply and
+//! that need it. Each of them is short (docs/reference/firmware-figures.md). Decoding a request, framing its reply and
 //! computing a CRC need no lock.
 
 use core::borrow::BorrowMut;

@@ -18,7 +18,7 @@ use crate::valve::{self, Steps};
 use crate::watchdog::Watchdog;
 use crate::{Control, Talk, reset, terminals};
 
-/// The longest piece of a request to an enabled drive, microseconds at six cycles an instruction: docs/firmware-figures.md
+/// The longest piece of a request to an enabled drive, microseconds at six cycles an instruction: docs/reference/firmware-figures.md
 /// tells what they take.
 const PIECE_US: u32 = 80;
 

@@ -25,7 +25,7 @@ use crate::watchdog::Watchdog;
 use crate::{Control, Drive, Talk, oscillators, reset, spi};
 use pneudrive_app::log;
 
-/// The longest piece of a request to an enabled drive, microseconds: the 2,400 instructions of docs/firmware-figures.md at
+/// The longest piece of a request to an enabled drive, microseconds: the 2,400 instructions of docs/reference/firmware-figures.md at
 /// six cycles each and 128 MHz. Not measured on this board.
 const PIECE_US: u32 = 113;
 

@@ -1,5 +1,5 @@
 //! How late the control is at most in a run in which a host asks everything again and again, over the cycles of an
-//! instruction: the table of docs/hazards.md.
+//! instruction: the table of docs/explanation/hazards.md.
 
 use std::sync::atomic::AtomicBool;
 

@@ -1,6 +1,6 @@
 //! Faults of board, wires and supply, injected while the drive moves, and what becomes of each.
 //!
-//! docs/hazards.md has the table, written from this list and held against it. Its times are limits that hold at both
+//! docs/explanation/hazards.md has the table, written from this list and held against it. Its times are limits that hold at both
 //! ends of what is not known of the board; a hazard that nothing detects stands there as such, and its test fails once
 //! something does.
 
@@ -17,7 +17,7 @@ use pneudrive_sim::Rig;
 /// The variable that has the table written anew: any value.
 const WRITE: &str = "PNEUDRIVE_WRITE_HAZARDS";
 
-/// The line of docs/hazards.md behind which the table begins.
+/// The line of docs/explanation/hazards.md behind which the table begins.
 const BEGIN: &str = "<!-- from here on written by `cargo xtask flashed --write` -->\n";
 
 /// What becomes of a hazard.
@@ -257,8 +257,8 @@ fn row(hazard: &Hazard) -> String {
 
 #[test]
 fn the_table_of_the_documentation_is_this_list() {
-    let path = pneudrive_build::cargo::root().join("docs/hazards.md");
-    let text = std::fs::read_to_string(&path).expect("docs/hazards.md");
+    let path = pneudrive_build::cargo::root().join("docs/explanation/hazards.md");
+    let text = std::fs::read_to_string(&path).expect("docs/explanation/hazards.md");
     let (head, table) = text.split_once(BEGIN).expect("a line that says where the table begins");
     let mut now =
         String::from("\n| fault | detected by | `drive_enable` low within | code | the operator sees |\n");
@@ -267,7 +267,7 @@ fn the_table_of_the_documentation_is_this_list() {
     if std::env::var_os(WRITE).is_some() {
         let mut whole = String::new();
         let _ = write!(whole, "{head}{BEGIN}{now}");
-        return std::fs::write(&path, whole).expect("docs/hazards.md is written");
+        return std::fs::write(&path, whole).expect("docs/explanation/hazards.md is written");
     }
     assert_eq!(table, now, "cargo xtask flashed --write");
 }

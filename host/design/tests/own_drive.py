@@ -1,4 +1,4 @@
-"""A drive by its data sheets, simulated by part I of docs/EQUATIONS.md and nothing else: no line of pneudrive is in it.
+"""A drive by its data sheets, simulated by part I of docs/explanation/equations.md and nothing else: no line of pneudrive is in it.
 
     pneudrive rig show own.toml --json > own.json
     python3 own_drive.py own.json [COUNTS]      # "time_s position_m pressure_1_pa pressure_2_pa" at every sample

@@ -1,4 +1,4 @@
-//! What short records say of limit cycles, against what is seen in 12 s: the table of docs/evaluation.md.
+//! What short records say of limit cycles, against what is seen in 12 s: the table of docs/explanation/evaluation.md.
 //!
 //! `cargo run --release -p pneudrive-evaluate --example limit_cycles -- 800` draws so many drives: in turns built-in rigs with
 //! another load, friction, supply and velocity gain and a step of 5, 24 or 72 mm, and own drives with a step, with dry

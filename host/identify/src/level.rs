@@ -11,7 +11,7 @@
 //! ```
 //!
 //! The weight of a load on an incline adds the same force to all four. A transient cannot distinguish it from friction that
-//! really differs (docs/identification.md); but four values that deviate from the file's by the same force, up in one
+//! really differs (docs/howto/identification.md); but four values that deviate from the file's by the same force, up in one
 //! direction and down in the other, are seldom due to chance.
 
 use nalgebra::DVector;

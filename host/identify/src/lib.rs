@@ -28,7 +28,7 @@
 //! - **What the data do not show** stays as uncertain as the prior says, and with it whatever depends on it: intervals
 //!   carry both ([`posterior`]). What no sample depends on is not fitted.
 //!
-//! docs/identification.md has the proof: how often the intervals hold what a virtual rig hides.
+//! docs/howto/identification.md has the proof: how often the intervals hold what a virtual rig hides.
 
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 

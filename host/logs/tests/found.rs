@@ -216,10 +216,10 @@ fn the_name_of_a_log_is_one_line_of_the_header() {
     assert_eq!(read.get("imported"), Some("a\\n# crc32 = 0\\u{1b}[2J.csv"));
 }
 
-/// The map of docs/logs.md, and a log for it.
+/// The map of docs/howto/logs.md, and a log for it.
 #[test]
 fn the_map_of_the_page_on_logs_is_read() {
-    let page = include_str!("../../../docs/logs.md");
+    let page = include_str!("../../../docs/howto/logs.md");
     let map = page.split("```toml").nth(1).and_then(|rest| rest.split("```").next()).expect("a map");
     let log = "t,x,p1,u\n0,25.5,5,5\n1.3,25.5,5,5\n2.6,25.5,5,7.5\n20,25.5,5,7.5\n21.3,25.5,5,7.5\n";
     let found = text(log, map).expect("a record");

@@ -1,5 +1,5 @@
 //! Whether perturbed runs at their own tolerance show what they would at that of the run: the shares of their figures that leave
-//! the band, in closed loops drawn at random (docs/agreement.md).
+//! the band, in closed loops drawn at random (docs/explanation/agreement.md).
 //!
 //! ```text
 //! cargo run --release -p pneudrive-optimise --example ensemble_members -- [RIGS] [FIRST SEED]

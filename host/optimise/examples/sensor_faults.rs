@@ -1,4 +1,4 @@
-//! How soon the law `cascade` sees a pressure sensor that fails within its range: the table of docs/pressure-sensors.md.
+//! How soon the law `cascade` sees a pressure sensor that fails within its range: the table of docs/howto/pressure-sensors.md.
 //!
 //! ```text
 //! cargo run --release -p pneudrive-optimise --example sensor_faults -- [DRIVE ...] [KEY=VALUE ...]

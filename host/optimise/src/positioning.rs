@@ -50,7 +50,7 @@ pub struct Plan {
     pub seed: u64,
 }
 
-/// The result of a run: what was measured, and whether the run has converged (docs/agreement.md). Otherwise why it did not come to
+/// The result of a run: what was measured, and whether the run has converged (docs/explanation/agreement.md). Otherwise why it did not come to
 /// its end.
 type Measured<T> = Result<(T, bool), String>;
 

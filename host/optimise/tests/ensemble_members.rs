@@ -13,7 +13,7 @@ fn evaluations(rig: &Rig, accuracy: Accuracy) -> u64 {
     run(rig, accuracy).expect("a transient").work.integrator.n_rhs_evaluations
 }
 
-/// What they take in instructions is in docs/speed.md.
+/// What they take in instructions is in docs/explanation/speed.md.
 #[test]
 fn eight_perturbed_runs_cost_the_evaluations_of_four_runs_at_most_and_of_a_stepper_drive_of_two() {
     for (case, most) in [("B_closed_damped", 4.0), ("A_closed", 2.0)] {

@@ -5,7 +5,7 @@
 //! work(study)  ->  progress ... progress  ->  { "result", "page", "settings" }
 //! ```
 //!
-//! `result` is the document of the command's `--json` (docs/json.md). `page` holds the notes, tables and graphs of
+//! `result` is the document of the command's `--json` (docs/reference/json.md). `page` holds the notes, tables and graphs of
 //! its page. `settings` are values that the user may take over, as `key=value`.
 
 mod exhibit;

@@ -7,7 +7,7 @@ import { html, place, say, svg } from './svg.js';
 const WIDTH = 860;
 const MARGIN = 76;
 
-/** A figure of the points of a sweep, as docs/json.md has them: a part of an axis that is chosen selects points. */
+/** A figure of the points of a sweep, as docs/reference/json.md has them: a part of an axis that is chosen selects points. */
 export function parallelOf({ rows, best }) {
   const columns = [
     ...Object.keys(rows[0].levels).map((name) => ({ name, values: rows.map(({ levels }) => levels[name]) })),

@@ -94,7 +94,7 @@ fn of_rig(rig: &Rig, parts: &Parts<'_>) -> PyResult<Sweep> {
 }
 
 /// Runs a sweep: of a file, or of a rig with what varies and what is collected. The tables are those of a sweep file
-/// (docs/commands.md, `pneudrive help sweep`), and the result does not depend on the number of threads. With a `client`
+/// (docs/reference/commands.md, `pneudrive help sweep`), and the result does not depend on the number of threads. With a `client`
 /// of Dask, the workers of its cluster run it.
 #[pyfunction]
 #[pyo3(signature = (what, /, *, threads=None, client=None, progress=None, **parts))]

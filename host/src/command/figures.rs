@@ -1,4 +1,4 @@
-//! The results of commands as JSON, by their types (docs/json.md has every field). An unknown number is null.
+//! The results of commands as JSON, by their types (docs/reference/json.md has every field). An unknown number is null.
 
 use pneudrive_evaluate::deviation::Deviation;
 use pneudrive_evaluate::replay::{ComparedQuantity, Difference, Replay};

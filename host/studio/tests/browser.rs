@@ -127,7 +127,7 @@ fn numbers(value: &serde_json::Value) -> Vec<f64> {
 }
 
 /// A median of 100 ms and 200 ms at the 99th percentile are what a hand feels as immediate. The test allows for a machine
-/// that has other work; docs/studio.md has the figures of one that has none.
+/// that has other work; docs/howto/studio.md has the figures of one that has none.
 #[test]
 fn the_curve_follows_a_slider_and_the_perturbed_runs_come_after_it() {
     let mut page = page();

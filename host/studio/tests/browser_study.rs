@@ -2,7 +2,7 @@
 //! taken back, values from a record.
 //!
 //! Needs Chromium, so `cargo xtask test web` runs it, and `cargo test --workspace` does not. With `PNEUDRIVE_SHOTS=FOLDER`
-//! it writes the picture of docs/studio.md there.
+//! it writes the picture of docs/howto/studio.md there.
 
 use std::thread::sleep;
 use std::time::Duration;

@@ -1,5 +1,5 @@
 //! The two calls of a sample on this machine: `cargo bench -p pneudrive-controller`. What they cost on a Cortex-M4
-//! is in docs/firmware-figures.md.
+//! is in docs/reference/firmware-figures.md.
 
 use std::hint::black_box;
 

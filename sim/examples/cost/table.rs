@@ -1,9 +1,9 @@
-//! The table of docs/counts.md: work counters of every built-in rig and every reference case.
+//! The table of docs/reference/counts.md: work counters of every built-in rig and every reference case.
 
 use pneudrive_sim::rigfile::{BUILTIN, builtin};
 use pneudrive_sim::{Accuracy, Rig, run};
 
-pub const PAGE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/counts.md");
+pub const PAGE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/reference/counts.md");
 
 const CASES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/cases");
 

@@ -1,4 +1,4 @@
-//! docs/speed.svg: simulated seconds a second over the largest deviation of the position, both in decades.
+//! docs/pictures/speed.svg: simulated seconds a second over the largest deviation of the position, both in decades.
 
 use std::fmt::Write;
 

@@ -1,9 +1,9 @@
 //! How fast runs are on this machine: simulated seconds a wall second on one core, controller and rows included, the best
-//! of many runs in turns. The tables of docs/speed.md are what one machine printed.
+//! of many runs in turns. The tables of docs/explanation/speed.md are what one machine printed.
 //!
 //! ```text
 //! cargo run --release -p pneudrive-sim --example speed            # the table
-//! cargo run --release -p pneudrive-sim --example speed -- figure  # docs/speed.svg
+//! cargo run --release -p pneudrive-sim --example speed -- figure  # docs/pictures/speed.svg
 //! ```
 
 mod curve;
@@ -85,7 +85,7 @@ fn main() {
     }
 }
 
-/// Of other programs, scaled to the machine of docs/speed.md: at which deviation (m) they make how many simulated seconds a
+/// Of other programs, scaled to the machine of docs/explanation/speed.md: at which deviation (m) they make how many simulated seconds a
 /// second.
 const BESIDE_A: [(&str, f64, f64); 4] = [
     ("specialised program", 1e-6, 12_700.0),
@@ -106,7 +106,7 @@ fn write_figure() {
         figure::Case { name: "A_closed", colour: "#1f5fa8", curve: &a, others: &BESIDE_A },
         figure::Case { name: "B_closed_damped", colour: "#b8452a", curve: &b, others: &BESIDE_B },
     ]);
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/speed.svg");
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/pictures/speed.svg");
     std::fs::write(path, svg).expect("docs can be written");
 }
 

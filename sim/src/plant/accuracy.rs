@@ -17,7 +17,7 @@ pub struct Accuracy {
 
 impl Default for Accuracy {
     /// For a plant under given commands: repeats the reference transients to a tenth of their tolerances, over the
-    /// whole run (docs/agreement.md).
+    /// whole run (docs/explanation/agreement.md).
     fn default() -> Self {
         Accuracy { method: Method::DormandPrince, tolerance: 1e-9 }
     }
@@ -45,7 +45,7 @@ impl Accuracy {
     }
 
     /// The accuracy of a perturbed run with a relative change `apart` of mass and starting position: its error must
-    /// be small beside the effect of that change (docs/agreement.md).
+    /// be small beside the effect of that change (docs/explanation/agreement.md).
     #[must_use]
     pub fn of_member(rig: &Rig, apart: f64) -> Accuracy {
         let motion = Accuracy::of_motion(rig);

@@ -32,7 +32,7 @@ pub fn named(number: &str) -> Option<&'static Name> {
     THESIS.iter().find(|name| plain(name.number) == plain(number))
 }
 
-/// The table of docs/thesis-names.md.
+/// The table of docs/reference/thesis-names.md.
 #[must_use]
 pub fn table() -> String {
     let row = |name: &Name| {
@@ -106,13 +106,13 @@ pub const THESIS: [Name; 91] = [
     name("C(49)", "Coulomb friction (retracting) (N)", "11.0", ""),
     name("C(50)", "Spool coefficient K_S (s^{-2})", "36000.0", ""),
     name("C(51)", "Spool damping coefficient K_D (s^{-1})", "100.0", ""),
-    name("C(52)", "Blind width reduction factor", "0.5", "not defined: Appendix VII alone names it, without a unit, and no text or equation has a blind width; Fig. 6.9 (6.4.5), which might, has no legend (docs/EQUATIONS.md, section 7)"),
+    name("C(52)", "Blind width reduction factor", "0.5", "not defined: Appendix VII alone names it, without a unit, and no text or equation has a blind width; Fig. 6.9 (6.4.5), which might, has no legend (docs/explanation/equations.md, section 7)"),
     name("C(54)", "Turbulence coeff. for Mach Number", "1.0", ""),
     name("C(55)", "Leakage coeff. bet. chamber (empirical)", "0.0", ""),
     name("C(56)", "Passage resistance (Egli's rho)", "20.0", ""),
     name("C(57)", "Leakage passage thickness (m)", "0.0001", ""),
     name("C(58)", "Reverse flow coeff. of discharge", "1.0", ""),
-    name("C(59)", "Temperature difference limit in FLS", "200.0", "void: Appendix VII alone, where FLS is not spelled out; it reads as a limit on the temperature in the iterations of the node (6.5.6), and ours solves one equation for the pressure, from which the temperature follows (docs/EQUATIONS.md, section 3)"),
+    name("C(59)", "Temperature difference limit in FLS", "200.0", "void: Appendix VII alone, where FLS is not spelled out; it reads as a limit on the temperature in the iterations of the node (6.5.6), and ours solves one equation for the pressure, from which the temperature follows (docs/explanation/equations.md, section 3)"),
     name("C(63)", "Diameter of connector (mm)", "5.0", ""),
     name("C(66)", "Stepper pulse gain (mm spl disp/pulse)", "0.0125", ""),
     name("C(68)", "Burrows' k5 (pressure feedback)", "12.4", ""),
@@ -123,7 +123,7 @@ pub const THESIS: [Name; 91] = [
     name("C(84)", "Static friction of spool (N)", "3.0", ""),
     name("C(85)", "Coulomb friction of spool (N)", "2.0", ""),
     name("C(86)", "Mass of spool (kg)", "0.023", ""),
-    name("C(87)", "Spool velocity threshold (mm/s)", "0.00001", "void: a spool sticks where its velocity crosses zero (6.4.3), which is located; that is the limit of a threshold that goes to 0 (docs/EQUATIONS.md, section 6)"),
+    name("C(87)", "Spool velocity threshold (mm/s)", "0.00001", "void: a spool sticks where its velocity crosses zero (6.4.3), which is located; that is the limit of a threshold that goes to 0 (docs/explanation/equations.md, section 6)"),
     name("C(89)", "Region of infinite stiffness (m)", "0.001", ""),
     name("C(90)", "Infinite stiffness at end stops (N/m)", "1000000.0", ""),
     name("C(91)", "Infinite stiffness for spool stop (N/m)", "100000.0", ""),
@@ -136,7 +136,7 @@ pub const THESIS: [Name; 91] = [
     name("L(8)", "Gain profile requirement flag (used)", "1", ""),
     name("L(10)", "Diagnostic flag (off)", "0", "not defined: a switch of the thesis's program, in Appendix VII alone; nothing tells what it shows"),
     name("L(11)", "Dead band exit condition flag (disabled)", "1", ""),
-    name("L(14)", "Velocity calculation mode flag (vary)", "1", "not defined: Appendix VII alone names the mode \"vary\", and 6.3.3 has only differences of position samples; the window is controller.velocity_window_samples (docs/EQUATIONS.md, section 9)"),
+    name("L(14)", "Velocity calculation mode flag (vary)", "1", "not defined: Appendix VII alone names the mode \"vary\", and 6.3.3 has only differences of position samples; the window is controller.velocity_window_samples (docs/explanation/equations.md, section 9)"),
     name("L(16)", "Model type (flow node)", "1", ""),
     name("L(17)", "Coeff. of discharge flag (Perry's)", "1", ""),
     name("L(18)", "Actuator leakage model indicator (Egli's)", "1", ""),
@@ -144,7 +144,7 @@ pub const THESIS: [Name; 91] = [
     name("L(20)", "Max stepper motor actuator steps", "40", ""),
     name("L(21)", "Load model flag", "0", ""),
     name("L(22)", "Controller model flag (Discrete)", "1", ""),
-    name("L(51)", "Velocity calculation time", "0", "not defined: Appendix VII alone, with a default of 0; L(77), its like for the acceleration, is a window of 3 samples, and a window of 0 would be no velocity (docs/EQUATIONS.md, section 9)"),
+    name("L(51)", "Velocity calculation time", "0", "not defined: Appendix VII alone, with a default of 0; L(77), its like for the acceleration, is a window of 3 samples, and a window of 0 would be no velocity (docs/explanation/equations.md, section 9)"),
     name("L(52)", "Counting integer for velocity calculation", "5", ""),
     name("L(67)", "Span of application of each Kp data", "4", ""),
     name("L(68)", "Scale factor for quantised spool command", "65536", ""),
@@ -189,7 +189,7 @@ mod tests {
 
     #[test]
     fn the_documented_table_is_this_one() {
-        let page = include_str!("../../../docs/thesis-names.md");
-        assert!(page.contains(&table()), "docs/thesis-names.md should have:\n{}", table());
+        let page = include_str!("../../../docs/reference/thesis-names.md");
+        assert!(page.contains(&table()), "docs/reference/thesis-names.md should have:\n{}", table());
     }
 }

@@ -1,5 +1,5 @@
 //! The thesis's servo-drives B and C, whose spool on a spring is measured: the law positions them each 0.5 ms without dither, and is
-//! refused otherwise. `docs/control.md` has 120 draws of each.
+//! refused otherwise. `docs/explanation/control.md` has 120 draws of each.
 
 use pneudrive_sim::{Accuracy, Rig, run};
 

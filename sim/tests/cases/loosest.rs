@@ -1,4 +1,4 @@
-//! The cases that docs/speed.md compares with a specialised program, each with the loosest tolerance, of one, two, three,
+//! The cases that docs/explanation/speed.md compares with a specialised program, each with the loosest tolerance, of one, two, three,
 //! five and seven times a power of ten, that keeps the whole run within that program's 1e-6 m and 10 Pa.
 
 pub const LOOSEST: [(&str, f64); 6] = [

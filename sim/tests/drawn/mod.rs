@@ -30,7 +30,7 @@ pub fn closed_loop(seed: u64) -> Drawn {
     (0..20).find_map(|again| drawn(seed + 1_000_000 * again)).expect("most draws are valid rigs")
 }
 
-/// Rigs that were added later: they would change all draws, and with them the figures of docs/agreement.md.
+/// Rigs that were added later: they would change all draws, and with them the figures of docs/explanation/agreement.md.
 const LATER: [&str; 2] = ["servo-b-thesis", "press"];
 
 fn drawn(seed: u64) -> Option<Drawn> {

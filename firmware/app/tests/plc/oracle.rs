@@ -1,4 +1,4 @@
-//! Which record the inputs may and must begin, by the words of docs/without-a-pc.md, from the readings of the inputs and
+//! Which record the inputs may and must begin, by the words of docs/howto/without-a-pc.md, from the readings of the inputs and
 //! from what else has happened: it knows nothing of the drive but whether it moves.
 
 use pneudrive_protocol::io::input::{ACKNOWLEDGE, ENABLE, NUMBER, RUN, START};

@@ -85,7 +85,7 @@ def test_the_drive_goes_where_its_input_says(instance):
     drive = instance("servo-b-tuned", "drive").start()
     drive["setpoint_m"] = 0.12
     drive.step(0, 1500)
-    # The tuned rigs settle within 1 mm (docs/rigs.md).
+    # The tuned rigs settle within 1 mm (docs/explanation/rigs.md).
     assert drive["position_m"] == pytest.approx(0.12, abs=1e-3)
 
 

@@ -1,4 +1,4 @@
-//! docs/control.svg: a step on the draws under each law, above the position and below the size of the error in decades.
+//! docs/pictures/control.svg: a step on the draws under each law, above the position and below the size of the error in decades.
 
 use std::fmt::Write;
 

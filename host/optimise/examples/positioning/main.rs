@@ -1,4 +1,4 @@
-//! How well control laws position, on the same drives and draws: the tables of docs/positioning.md.
+//! How well control laws position, on the same drives and draws: the tables of docs/explanation/positioning.md.
 //!
 //! ```text
 //! cargo run --release -p pneudrive-optimise --example positioning -- [RIG ...] [KEY=VALUE ...]
@@ -9,7 +9,7 @@
 //! shorter stroke); `laws=0,1` (places in the list of laws in `laws.rs`); `range=1` draws all that the rig file leaves open;
 //! `bristles=1` puts LuGre friction on top; `sines=0` leaves out the sines. `plant=load.mass_kg*2,load.constant_force_n=-80`: the plant of
 //! each draw differs from what the law knows by these factors and values. Other keys with a point are settings of the rig. Gains that
-//! were found, and why runs did not come to their end, go to stderr. `figure=FILE.svg` draws the step under each law instead: docs/control.svg.
+//! were found, and why runs did not come to their end, go to stderr. `figure=FILE.svg` draws the step under each law instead: docs/pictures/control.svg.
 
 mod figure;
 mod laws;

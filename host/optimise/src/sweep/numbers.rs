@@ -4,7 +4,7 @@ use serde_json::{Map, Value, json};
 
 use super::{Metric, Row, Sweep};
 
-/// The rows of sweep.csv, and which of them is best (docs/json.md). A figure that a run does not show is null.
+/// The rows of sweep.csv, and which of them is best (docs/reference/json.md). A figure that a run does not show is null.
 #[must_use]
 pub fn to_json(sweep: &Sweep, rows: &[Row]) -> Value {
     let levels = |row: &Row| -> Map<String, Value> {

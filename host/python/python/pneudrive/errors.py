@@ -1,6 +1,6 @@
 """Exceptions: a kind for each end that a program can do something about.
 
-The kinds are those of the command's exit codes (docs/exit-codes.md), and the texts are the command's.
+The kinds are those of the command's exit codes (docs/reference/exit-codes.md), and the texts are the command's.
 """
 
 from __future__ import annotations

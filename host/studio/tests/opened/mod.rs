@@ -1,6 +1,6 @@
 //! A studio opened in a browser, for the tests that look at it.
 //!
-//! With `PNEUDRIVE_SHOTS=FOLDER` the tests write the pictures of docs/studio.md there.
+//! With `PNEUDRIVE_SHOTS=FOLDER` the tests write the pictures of docs/howto/studio.md there.
 
 use std::fs;
 use std::path::Path;

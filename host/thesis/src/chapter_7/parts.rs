@@ -75,7 +75,7 @@ pub(super) const EXHIBITS: [Exhibit; 3] = [
             0.005,
             "half of its last digit",
         )],
-        why: "It is the time of the 68000's interrupt routine. The twin keeps whole microseconds, and of our firmware instructions are counted, not time (docs/firmware-figures.md).",
+        why: "It is the time of the 68000's interrupt routine. The twin keeps whole microseconds, and of our firmware instructions are counted, not time (docs/reference/firmware-figures.md).",
         experiment: Experiment::Own(timer),
         takes_s: 0.01,
     },

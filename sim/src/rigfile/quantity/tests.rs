@@ -179,10 +179,10 @@ fn every_suggestion_is_understood() {
     assert!(read(example.split('"').nth(1).expect("an example"), "Pa").is_ok());
 }
 
-/// What docs/own-drive.md shows is read, and what it says to be refused is.
+/// What docs/howto/own-drive.md shows is read, and what it says to be refused is.
 #[test]
 fn the_page_on_own_drives_says_what_units_are_read() {
-    let page = include_str!("../../../../docs/own-drive.md");
+    let page = include_str!("../../../../docs/howto/own-drive.md");
     let part = |from: &str, to: &str| {
         let begin = page.find(from).unwrap_or_else(|| panic!("{from}"));
         page[begin..]

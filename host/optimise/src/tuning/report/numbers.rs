@@ -8,7 +8,7 @@ use crate::tuning::tracking::limit::{self, Following, Limit};
 use crate::tuning::{Behaviour, Found, Goal, LimitingImperfection, Performance, Tuned};
 use pneudrive_evaluate::evaluation::LimitCycle;
 
-/// Gains and their results (docs/json.md). An unknown number is null.
+/// Gains and their results (docs/reference/json.md). An unknown number is null.
 #[must_use]
 pub fn to_json(goal: &Goal, tuned: &Tuned, behaviour: &Behaviour) -> Value {
     let step = |step: &AtPlace| {

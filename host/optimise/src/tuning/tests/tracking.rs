@@ -42,7 +42,7 @@ fn sines(settings: &[&str]) -> Vec<Tracked> {
     tracked(&task, &tuned, |_| {}, CancelToken::NEVER).expect("runs")
 }
 
-/// Its figures at both frequencies are those of docs/profiles.md, over other swings of the same sine.
+/// Its figures at both frequencies are those of docs/howto/profiles.md, over other swings of the same sine.
 #[test]
 fn without_feed_forward_the_law_is_behind_a_sine_and_with_it_less_so() {
     let all = sines(&[]);
