@@ -17,6 +17,7 @@ mod monitor;
 mod overlay;
 mod progress;
 mod record;
+mod reference;
 mod replay;
 mod rig;
 mod rig_source;

@@ -142,6 +142,15 @@ fn every_link_leads_to_a_file_and_a_heading_of_it() {
 }
 
 #[test]
+fn every_page_is_in_the_contents_of_the_book() {
+    let contents = Page::of("docs/SUMMARY.md");
+    let listed: BTreeSet<String> = contents.links().map(|link| format!("docs/{link}")).collect();
+    let mut missing = inside("docs");
+    missing.retain(|page| page != "docs/SUMMARY.md" && !listed.contains(page));
+    assert!(missing.is_empty(), "{missing:#?}");
+}
+
+#[test]
 fn every_example_and_test_program_that_a_document_calls_is_there() {
     let mut missing = Vec::new();
     for (before, folder) in [("--example ", "examples"), ("--test ", "tests"), ("--bench ", "benches")] {

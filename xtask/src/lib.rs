@@ -6,6 +6,7 @@
 //! | [`tally`] | what passed, what failed; work continues after a failure |
 //! | [`flashed`] | runs the image of the Nucleo board with models of its peripherals |
 //! | [`boards`] | builds the images for the Nucleo board and the Pico 2 and judges their size and their control |
+//! | [`book`] | the documents as a book of pages |
 //! | [`deny`] | licences, sources and advisories of other people's code |
 //! | [`link`] | the link under faults: often, and in all its states |
 //! | [`targets`] | builds for other systems |
@@ -27,6 +28,7 @@
 
 pub mod axe;
 pub mod boards;
+pub mod book;
 pub mod deny;
 #[cfg(test)]
 mod documents;

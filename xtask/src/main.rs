@@ -47,6 +47,12 @@ enum Command {
         #[arg(long, value_name = "DIR")]
         out: Option<PathBuf>,
     },
+    /// Make the book: the documents and the reference, as a folder of pages. Builds mdBook
+    Book {
+        /// The folder [default: target/book]
+        #[arg(long, value_name = "DIR")]
+        out: Option<PathBuf>,
+    },
     /// Run the test bodies on the board that PNEUDRIVE_BOARD names (hil-tests/src/board.rs)
     Hil {
         /// Only bodies with one of these words in their name
@@ -104,6 +110,7 @@ fn main() -> ExitCode {
         Command::Deny => deny::check(&mut tally),
         Command::Probe => steps::probe(&mut tally),
         Command::Web { out } => steps::web(&mut tally, out),
+        Command::Book { out } => steps::book(&mut tally, out),
         Command::Hil { bodies } => steps::hil(&mut tally, &bodies),
         Command::Flashed { write } => steps::flashed(&mut tally, write),
         Command::Soak { seconds } => steps::soak(&mut tally, seconds),

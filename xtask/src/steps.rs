@@ -12,7 +12,7 @@ use pneudrive_build::firmware;
 use crate::tally::{self, Counts, Tally};
 use crate::tools::{CHROMIUM, QEMU};
 use crate::{
-    axe, boards, deny, flashed, fmu, instructions, link, memory, probe, processors, programs, python,
+    axe, boards, book, deny, flashed, fmu, instructions, link, memory, probe, processors, programs, python,
     targets, web,
 };
 
@@ -74,6 +74,8 @@ pub enum Group {
     Python,
     /// FMUs, validated and simulated by FMPy in target/fmu-venv
     Fmu,
+    /// The book, and where its links lead: builds mdBook
+    Book,
     /// Long properties and soaks, all states of the link, instructions of the simulator
     Long,
     /// The images of the boards: what is in them, their calls, flash, memory and stack. Installs the targets
@@ -112,13 +114,16 @@ impl Group {
             Group::Fmu if !fmu::is_watched() => Here::Part(
                 "the C functions of FMUs are not run under valgrind, which is for x86-64 Linux".to_owned(),
             ),
+            Group::Book if !book::is_there() => {
+                Here::Nothing("the book is not made (cargo xtask test book)".to_owned())
+            }
             Group::Long => {
                 Here::Nothing("long properties and soaks are not run (cargo xtask test long)".to_owned())
             }
             Group::Images => {
                 Here::Nothing("the images of the boards are not built (cargo xtask test images)".to_owned())
             }
-            Group::Web | Group::Python | Group::Fmu => Here::All,
+            Group::Web | Group::Python | Group::Fmu | Group::Book => Here::All,
         }
     }
 
@@ -133,6 +138,7 @@ impl Group {
             Group::Python => tally.check("environment of Python", python::prepare),
             Group::Fmu => tally.check("environment of FMPy", fmu::prepare),
             Group::Images => tally.check("target of the boards", cargo::ensure_thumb_target),
+            Group::Book => tally.check("mdBook", book::ensure),
             Group::Targets | Group::Long => {}
         }
     }
@@ -156,6 +162,7 @@ impl Group {
             Group::Flashed => short_flashed(tally),
             Group::Python => package(tally),
             Group::Fmu => fmus(tally),
+            Group::Book => book(tally, None),
             Group::Long => long(tally),
             Group::Images => images(tally),
         }
@@ -273,6 +280,14 @@ fn in_browser<'a>(program: &'a str, which: &[&'a str]) -> Vec<&'a str> {
 /// The studio's page as a folder of files.
 pub fn web(tally: &mut Tally, out: Option<PathBuf>) {
     tally.check("the page without a server", || web::build(&out.map_or_else(web::usual_folder, Ok)?));
+}
+
+/// The book as a folder of pages.
+pub fn book(tally: &mut Tally, out: Option<PathBuf>) {
+    tally.check("the book", || {
+        book::ensure()?;
+        book::build(&out.map_or_else(book::usual_folder, Ok)?)
+    });
 }
 
 fn test_without_groups(tally: &mut Tally) {

@@ -146,10 +146,10 @@ fn room(rig: &Rig, start: f64, direction: f64) -> Result<f64> {
     let end = if direction > 0.0 { stroke - start } else { start };
     let room = (end - FROM_END * stroke).min(MAX_STROKE * stroke);
     if room < SHORTEST * stroke {
+        let (end, middle) = (1e3 * end, 500.0 * stroke);
         bail!(
-            "the piston is {:.0} mm from an end; bring it to rest near {:.0} mm, the middle of its stroke",
-            1e3 * end,
-            500.0 * stroke
+            "the piston is {end:.0} mm from an end; bring it to rest near {middle:.0} mm, the middle of its stroke \
+             (pneudrive device go {middle:.0}mm --rig FILE)"
         );
     }
     Ok(direction * room)

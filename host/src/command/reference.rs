@@ -1,0 +1,96 @@
+//! `pneudrive man --markdown`: the reference of the book, from the code itself. The book puts each page behind the page of
+//! docs/reference with its name.
+
+use clap::Command;
+use pneudrive_sim::rig::{Key, all_keys, preset_in_words, range_in_words, thesis};
+
+/// The pages: name of the file, and its text.
+pub(super) fn pages(whole: &Command) -> [(&'static str, String); 3] {
+    [
+        ("commands.md", commands(whole, "pneudrive", 2)),
+        ("keys.md", keys()),
+        ("thesis-names.md", format!("## By number\n\n{}", thesis::table())),
+    ]
+}
+
+/// The commands below one, each with its help as the program prints it.
+fn commands(above: &Command, typed: &str, level: usize) -> String {
+    let of = |command: &Command| {
+        let typed = format!("{typed} {}", command.get_name());
+        let help = command.clone().render_long_help().to_string();
+        let heading = "#".repeat(level);
+        let below = commands(command, &typed, level + 1);
+        format!("{heading} {typed}\n\n```text\n{}\n```\n\n{below}", help.trim_end())
+    };
+    above.get_subcommands().filter(|command| !command.is_hide_set()).map(of).collect()
+}
+
+/// The keys of a rig file, a section for each table.
+fn keys() -> String {
+    let mut tables: Vec<&str> = Vec::new();
+    for key in all_keys() {
+        if !tables.contains(&key.table()) {
+            tables.push(key.table());
+        }
+    }
+    let section = |table: &str| {
+        let heading = if table.is_empty() { "Without a table".to_owned() } else { format!("`[{table}]`") };
+        let rows: String = all_keys().filter(|key| key.table() == table).map(row).collect();
+        format!("## {heading}\n\n{HEAD}{rows}\n")
+    };
+    tables.into_iter().map(section).collect()
+}
+
+const HEAD: &str = "| key | range | default | in the thesis | meaning |\n|---|---|---|---|---|\n";
+
+fn row(key: &Key) -> String {
+    let range = [range_in_words(&key.kind).as_str(), key.unit()].join(" ");
+    let cells = [range.trim(), &preset_in_words(&key.preset), key.thesis, key.meaning];
+    let cells = cells.map(|cell| cell.replace('|', "\\|"));
+    format!("| `{}` | {} |\n", key.name(), cells.join(" | "))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::*;
+    use crate::command::whole_command;
+
+    fn built() -> Command {
+        let mut whole = whole_command().disable_help_subcommand(true);
+        whole.build();
+        whole
+    }
+
+    #[test]
+    fn every_command_has_a_section_with_its_help() {
+        let [(_, page), ..] = pages(&built());
+        for command in built().get_subcommands() {
+            let section = page.split(&format!("## pneudrive {}\n", command.get_name())).nth(1);
+            assert!(section.is_some_and(|text| text.contains("Usage: ")), "{}", command.get_name());
+        }
+        assert!(page.contains("\n#### pneudrive device valve seek-null\n"), "those below, too");
+    }
+
+    #[test]
+    fn every_key_has_a_row_in_the_section_of_its_table() {
+        let [_, (_, page), _] = pages(&built());
+        for key in all_keys() {
+            let table = if key.table().is_empty() {
+                "Without a table".to_owned()
+            } else {
+                format!("`[{}]`", key.table())
+            };
+            let mut sections = page.split("## ").filter(|section| section.starts_with(&table));
+            let (section, again) = (sections.next().expect("a section"), sections.next());
+            assert!(again.is_none() && section.contains(&format!("| `{}` |", key.name())), "{}", key.path);
+        }
+        let columns: BTreeSet<usize> = page
+            .lines()
+            .filter(|line| line.starts_with('|'))
+            .map(|line| line.replace("\\|", "").matches('|').count())
+            .collect();
+        assert_eq!(columns, BTreeSet::from([6]), "each row has five cells");
+    }
+}

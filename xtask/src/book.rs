@@ -1,0 +1,165 @@
+//! The book: the project's documents, with the reference that the program writes, as pages of mdBook. The pages keep the
+//! places that they have in the project, so each of their links leads where it leads there.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use anyhow::{Context, Result, bail, ensure};
+use pneudrive_build::cargo::{self, built, in_root, run};
+
+/// The version that makes it. It is under the MPL-2.0, a program of its own.
+const VERSION: &str = "0.5.4";
+
+/// The table of contents, within the folder of documents.
+const SUMMARY: &str = "docs/SUMMARY.md";
+
+const CONFIG: &str = r#"[book]
+title = "pneudrive"
+language = "en"
+src = "."
+
+[build]
+create-missing = false
+# Without that of README.md, to which links would lead nowhere.
+use-default-preprocessors = false
+
+[output.html]
+git-repository-icon = "fab-github"
+"#;
+
+/// The program that makes it.
+///
+/// # Errors
+/// When the folder of what is built is not known.
+fn program() -> Result<PathBuf> {
+    Ok(built("tools")?.join("bin").join(format!("mdbook{}", std::env::consts::EXE_SUFFIX)))
+}
+
+/// Whether that program was built before.
+#[must_use]
+pub fn is_there() -> bool {
+    program().is_ok_and(|program| program.exists())
+}
+
+/// Builds that program from crates.io if it is not there.
+///
+/// # Errors
+/// When it cannot be built.
+pub fn ensure() -> Result<()> {
+    if is_there() {
+        return Ok(());
+    }
+    let folder = built("tools")?;
+    let package = format!("mdbook@{VERSION}");
+    let folder = folder.to_str().context("a folder with a name in UTF-8")?;
+    run(&mut in_root(&[
+        "install",
+        &package,
+        "--locked",
+        "--no-default-features",
+        "--features",
+        "search",
+        "--root",
+        folder,
+    ]))
+}
+
+/// The folder of the pages where none is named.
+///
+/// # Errors
+/// When the folder of what is built is not known.
+pub fn usual_folder() -> Result<PathBuf> {
+    built("book")
+}
+
+/// Makes the book.
+///
+/// # Errors
+/// When a page cannot be made, is in no table of contents, or has a link that leads nowhere.
+pub fn build(out: &Path) -> Result<()> {
+    let sources = built("book-sources")?;
+    gather(&sources)?;
+    add_reference(&sources)?;
+    run(Command::new(program()?).arg("build").arg(&sources).arg("--dest-dir").arg(out))?;
+    check_links(out)?;
+    println!("{}", out.join("index.html").display());
+    Ok(())
+}
+
+/// Copies the documents and their pictures to where they lie in the project.
+fn gather(sources: &Path) -> Result<()> {
+    if sources.exists() {
+        fs::remove_dir_all(sources).with_context(|| sources.display().to_string())?;
+    }
+    let listed = Command::new("git")
+        .args(["ls-files", "docs", "*.md", "*.ipynb", "LICENSE-*"])
+        .current_dir(cargo::root())
+        .output()?;
+    ensure!(listed.status.success(), "git cannot list the documents");
+    for path in String::from_utf8(listed.stdout)?.lines() {
+        let to = sources.join(path);
+        fs::create_dir_all(to.parent().context("a folder")?)?;
+        fs::copy(cargo::root().join(path), to).with_context(|| path.to_owned())?;
+    }
+    let summary = fs::read_to_string(sources.join(SUMMARY)).context(SUMMARY)?;
+    // Its links lead from docs; mdBook reads it at the top.
+    let summary = summary.replace("](", "](docs/").replace("](docs/../", "](");
+    fs::write(sources.join("SUMMARY.md"), summary)?;
+    fs::write(sources.join("book.toml"), CONFIG)?;
+    Ok(())
+}
+
+/// Puts what the program writes of itself behind the pages of the same names.
+fn add_reference(sources: &Path) -> Result<()> {
+    let written = built("book-reference")?;
+    let out = written.to_str().context("a folder with a name in UTF-8")?;
+    // With the features of the whole workspace, whose crates are built already where all tests are run.
+    run(&mut in_root(&["build", "--quiet", "--workspace", "--bin", "pneudrive"]))?;
+    let program = built("debug")?.join(format!("pneudrive{}", std::env::consts::EXE_SUFFIX));
+    run(Command::new(program).args(["man", "--markdown", "--out", out]))?;
+    for entry in fs::read_dir(&written)? {
+        let entry = entry?;
+        let page = sources.join("docs/reference").join(entry.file_name());
+        let text = fs::read_to_string(&page).with_context(|| page.display().to_string())?;
+        fs::write(&page, format!("{text}\n{}", fs::read_to_string(entry.path())?))?;
+    }
+    Ok(())
+}
+
+/// Every link within the book leads to a file of it, and every page but the one for printing is in the table of contents.
+fn check_links(book: &Path) -> Result<()> {
+    let mut dead = BTreeSet::new();
+    for page in pages(book)? {
+        let text = fs::read_to_string(&page)?;
+        for link in ["href=\"", "src=\""].iter().flat_map(|before| text.split(before).skip(1)) {
+            let link = link.split('"').next().unwrap_or_default();
+            let file = link.split('#').next().unwrap_or_default();
+            let is_outside = link.contains(':') || file.is_empty();
+            if !is_outside && !page.with_file_name(file).exists() {
+                dead.insert(format!("{}: {link}", page.strip_prefix(book)?.display()));
+            }
+        }
+    }
+    if !dead.is_empty() {
+        bail!("links that lead nowhere: {}", Vec::from_iter(dead).join(", "));
+    }
+    Ok(())
+}
+
+/// The pages of a folder and of those in it. The page for printing repeats all others with links from the top, and the page of
+/// an error is for servers.
+fn pages(folder: &Path) -> Result<Vec<PathBuf>> {
+    let mut all = Vec::new();
+    for entry in fs::read_dir(folder)? {
+        let path = entry?.path();
+        let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
+        if path.is_dir() {
+            all.extend(pages(&path)?);
+        } else if name.ends_with(".html") && !["print.html", "404.html", "toc.html"].contains(&name) {
+            all.push(path);
+        }
+    }
+    Ok(all)
+}
