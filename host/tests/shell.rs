@@ -1,6 +1,5 @@
 //! The program in a shell: completions, manual pages, `--version`, and the commands that the documents show.
 
-use std::collections::BTreeSet;
 use std::fs;
 #[cfg(unix)]
 use std::process::Command;

@@ -130,7 +130,7 @@ fn numbers(value: &serde_json::Value) -> Vec<f64> {
 /// that has other work; docs/howto/studio.md has the figures of one that has none.
 #[test]
 fn the_curve_follows_a_slider_and_the_perturbed_runs_come_after_it() {
-    let mut page = page();
+    let mut page = page_of("press", builtin("press").expect("a built-in rig"));
     page.click("#picture [data-id=load] .title");
     page.wait_until(&format!("document.querySelector('{MASS} input[type=range]')"));
     page.evaluate("studio.plot.moveTo(0.45)");
