@@ -7,6 +7,8 @@ mod characterise;
 mod cli;
 mod crowd;
 mod device;
+#[cfg(unix)]
+mod documents;
 mod encoders;
 mod every_command;
 mod exit_codes;
