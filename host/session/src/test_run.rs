@@ -127,9 +127,11 @@ pub fn prepare(
     if with_parameters {
         let sent = RigParameters { values: rig.parameters(), lacking: Vec::new() };
         refuse_what_it_would(rig, &sent, will_be_referenced(&status, &there, &sent))?;
+        client.refuse_unwatched(&sent.values)?;
     } else {
         compare_parameters(&there.values, &rig.parameters(), rig.name())?;
         refuse_what_it_would(rig, &there, status.referenced)?;
+        client.refuse_unwatched(&there.values)?;
     }
     client.disarm()?;
     if !is_streamed {

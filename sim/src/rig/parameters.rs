@@ -160,7 +160,9 @@ impl Rig {
 
     /// The raw pressures of an open and of a shorted sensor, outside the range of the drive's pressures: the chambers
     /// stay above the exhaust, and below one and a half times the supply. An open wire does not reach the end of the
-    /// converter: leakage and offset leave it up to a hundredth of the range away. The ends are those of a rig with
+    /// converter: leakage and offset leave it up to a hundredth of the range away. Where that leaves neither end, as of a gauge
+    /// whose range is less than one and a half times the supply, the top is one if the supply is below it: a reading there
+    /// says nothing of a pressure that may be higher. The ends are those of a rig with
     /// sensors in any case. Without sensors the controller ignores them, and sensors that are mounted later are
     /// supervised.
     fn open_sensors(&self) -> [i32; 2] {
@@ -169,7 +171,8 @@ impl Rig {
         let watched = self.get(&keys::safety::SENSOR_WATCH);
         let margin = (max - min) / f64::from(OPEN_SENSOR);
         let low = watched && self.get(&keys::exhaust::PRESSURE_PA) > min + 2.0 * margin;
-        let high = watched && 1.5 * self.get(&keys::supply::PRESSURE_PA) < max - margin;
+        let highest = if low { 1.5 } else { 1.0 } * self.get(&keys::supply::PRESSURE_PA);
+        let high = watched && highest < max - margin;
         let full = (1 << self.get(&keys::sensors::BITS)) - 1;
         let open = full / OPEN_SENSOR;
         [if low { open } else { -1 }, if high { full - open } else { i32::from(i16::MAX) }]

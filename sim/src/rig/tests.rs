@@ -232,6 +232,10 @@ fn a_pressure_that_the_drive_cannot_have_is_an_open_sensors_where_the_range_show
     assert_eq!(of(""), [63, 4032], "an open wire leaves 40 or 4050 of 4095");
     assert_eq!(of("[sensors]\npressure_min_pa = 101300\n"), [-1, 4032], "a gauge reads 0 at the exhaust");
     assert_eq!(of("[sensors]\npressure_max_pa = 700000\nbits = 10\n"), [15, 32_767]);
+    let gauge =
+        |max_pa: u32| of(&format!("[sensors]\npressure_min_pa = 101300\npressure_max_pa = {max_pa}\n"));
+    assert_eq!(gauge(701_300), [-1, 4032], "the supply is below its top: a reading there tells no pressure");
+    assert_eq!(gauge(590_000), [-1, 32_767], "the supply is at its top");
     assert_eq!(of("[safety]\nsensor_watch = false\n"), [-1, 32_767]);
     assert_eq!(of("[sensors]\npressure = false\n"), [63, 4032], "sensors that are put on later are watched");
     assert_eq!(of("[sensors]\npressure = false\n[safety]\nsensor_watch = false\n"), [-1, 32_767]);

@@ -108,12 +108,14 @@ fn rests(moves: &[InRuns]) -> Option<String> {
     let ends = ends(&all(moves, short_mm))?;
     let is_steady = moves.iter().flatten().flatten().all(|one| one.steady_error_mm.is_some());
     let is_at_rest = moves.iter().all(|runs| endings(runs)[0] == runs.len());
-    let how = match (is_at_rest, is_steady) {
-        (true, _) => "rests",
-        (_, true) => "ends",
-        _ => "still moves at the end, on average",
-    };
-    Some(format!("{how} {}", place(ends)))
+    let swings = moves.iter().any(|runs| endings(runs)[1] > 0);
+    let place = place(ends);
+    Some(match (is_at_rest, is_steady, swings) {
+        (true, ..) => format!("rests {place}"),
+        (_, true, true) => format!("ends {place}"),
+        (_, true, false) => format!("ends {place}, watched too briefly to say that it rests"),
+        _ => format!("still moves at the end, on average {place}"),
+    })
 }
 
 /// Where it is, by the least and the most that it is short of its target, mm.
@@ -238,7 +240,10 @@ mod tests {
     fn only_a_drive_that_is_known_to_rest_is_said_to_rest() {
         let limit_cycle = LimitCycle::Undecided(Doubt::Sticking { kpa_s: 1.0, still_s: 2.0 });
         let stuck = Move { limit_cycle, ..settled(1) };
-        assert!(verdict(&[vec![settled(1)], vec![stuck]], 0.05).contains("; ends 0.02 mm short"));
+        assert!(
+            verdict(&[vec![settled(1)], vec![stuck]], 0.05)
+                .contains("; ends 0.02 mm short, watched too briefly to say that it rests; ")
+        );
         let moving = Move {
             steady_error_mm: None,
             settling_s: None,

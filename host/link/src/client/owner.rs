@@ -3,8 +3,8 @@
 use std::hash::{BuildHasher, RandomState};
 
 use anyhow::{Context, Result};
-use pneudrive_controller::Fault;
 use pneudrive_controller::config::unwatched;
+use pneudrive_controller::{Fault, Parameters};
 use pneudrive_protocol::session::{self, NO_BOOT};
 use pneudrive_protocol::{Owner, Presence, ReplyBody, RequestBody};
 use pneudrive_records::untrusted::{NAME, sanitised};
@@ -50,7 +50,7 @@ fn checks_are_off(name: &str, off: &[Fault]) -> String {
     let names: Vec<&str> = off.iter().map(|check| words::fault_name(*check)).collect();
     let names = names.join(",");
     format!(
-        "{name}: its parameters switch checks off, so the drive would never trip with: {names}. Set them again (`pneudrive device config`, the keys safety.*), or arm it with `--without {names}` if that is meant"
+        "{name}: its parameters switch checks off, so the drive would never trip with: {names}. Set them again (the keys safety.* of the rig file, for sensor-range sensors.pressure_max_pa; `pneudrive rig check` says why), or arm it with `--without {names}` if that is meant (`pneudrive device --without {names} --port ...`)"
     )
 }
 
@@ -103,6 +103,18 @@ impl Client {
         self.without.extend(checks);
     }
 
+    /// The checks that these parameters switch off ([`unwatched`]), as [`Client::arm`] judges them.
+    ///
+    /// # Errors
+    /// When a check is switched off that it was not told to do without.
+    pub fn refuse_unwatched(&self, parameters: &Parameters) -> Result<Vec<Fault>> {
+        let off: Vec<Fault> = unwatched(parameters).collect();
+        if off.iter().any(|check| !self.without.contains(check)) {
+            return Err(Failure::Refused.error(checks_are_off(&self.name, &off)));
+        }
+        Ok(off)
+    }
+
     /// Enables the drive, and returns the checks that its parameters switch off ([`unwatched`]). This client commands it
     /// until it is disarmed or trips, or the client is dropped.
     ///
@@ -110,10 +122,8 @@ impl Client {
     /// When a check is switched off that it was not told to do without, when the drive refuses, for instance because
     /// another host commands it, or does not answer.
     pub fn arm(&mut self) -> Result<Vec<Fault>> {
-        let off: Vec<Fault> = unwatched(&self.scalars()?).collect();
-        if off.iter().any(|check| !self.without.contains(check)) {
-            return Err(Failure::Refused.error(checks_are_off(&self.name, &off)));
-        }
+        let parameters = self.scalars()?;
+        let off = self.refuse_unwatched(&parameters)?;
         self.ask_done(RequestBody::Arm { host: &host_name() })?;
         self.commands = true;
         Ok(off)

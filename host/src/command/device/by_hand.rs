@@ -6,7 +6,8 @@ use pneudrive_records::rig_info::RigParameters;
 use pneudrive_records::units::Units;
 use pneudrive_session::slow_move::{self, JOG_MM_PER_S, Standing};
 use pneudrive_session::test_run::TestRun;
-use pneudrive_sim::Rig;
+use pneudrive_sim::component::encoder::mm_per_count;
+use pneudrive_sim::{Rig, keys};
 use serde_json::json;
 
 use crate::command::rig_source::load_rig;
@@ -29,12 +30,29 @@ fn moved(client: &mut Client, rig: &str, test: Move<'_>) -> Result<()> {
     let (name, rig) = (rig, load_rig(rig, &[])?);
     let Standing { there, from_mm } = Standing::of(client, name, &rig)?;
     let units = Units::of(&there);
-    run_test(client, TestRun::of(&test(&rig, &there, from_mm)?), None)?;
+    let test = test(&rig, &there, from_mm)?;
+    run_test(client, TestRun::of(&test), None)?;
     let position = client.status()?.position;
+    tell_a_miss(&test, position);
     json::figures(
         || json!({ "from_mm": from_mm, "position_counts": position, "position_mm": units.millimetres(position) }),
     );
     say!("the axis is at {}, from {from_mm:.3} mm", units.length(position));
     say!("the drive holds; `pneudrive device disarm` releases it");
     Ok(())
+}
+
+/// Says so where a move has not come within the tolerance of its end.
+fn tell_a_miss(test: &Rig, position: i32) {
+    let Some(&(_, target)) = test.moves().last() else { return };
+    let mm = mm_per_count(test);
+    let off_mm = (i64::from(position) - target) as f64 * mm;
+    let tolerance_mm = test.get(&keys::controller::TOLERANCE_COUNTS) as f64 * mm;
+    if off_mm.abs() > tolerance_mm.max(mm) {
+        let target_mm = target as f64 * mm;
+        tell!(
+            "note: it is {:.3} mm from {target_mm:.3} mm; `pneudrive device status` shows whether it still moves",
+            off_mm.abs()
+        );
+    }
 }
