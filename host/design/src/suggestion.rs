@@ -18,13 +18,35 @@ pub fn suggestion(name: &str, answers: &Answers) -> Option<Answers> {
 /// Answers to which one refusal no longer applies.
 fn without(name: &str, answers: &Answers, refusal: &AnswerProblem) -> Option<Answers> {
     let question = question_of(refusal.question)?;
-    let proposals = [refusal.instead.as_deref(), Some(""), Some(question.example)];
+    let with_unit = answers.text(question.name).and_then(|text| with_unit_of(question.example, text));
+    let proposals = [refusal.instead.as_deref(), with_unit.as_deref(), Some(""), Some(question.example)];
     proposals.into_iter().flatten().find_map(|text| {
         let mut other = answers.clone();
         other.answer(question, text);
         let wrong = rig_file(name, &other).err().unwrap_or_default();
         wrong.iter().all(|still| still.question != question.name).then_some(other)
     })
+}
+
+/// A number alone, with the unit that the example has behind its own: "12" and "8 kg" give "12 kg".
+fn with_unit_of(example: &str, text: &str) -> Option<String> {
+    let (_, unit) = example.split_once(' ')?;
+    text.trim().parse::<f64>().is_ok().then(|| format!("{} {unit}", text.trim()))
+}
+
+/// Which answers a suggestion has in place of those given, in words: `mass: "8 kg" in place of "-12 kg"`.
+#[must_use]
+pub fn changed(given: &Answers, suggested: &Answers) -> Vec<String> {
+    fn answer<'a>(answers: &'a Answers, name: &str) -> Option<&'a str> {
+        answers.text(name).filter(|text| !text.is_empty())
+    }
+    let change = |name: &str| match (answer(given, name), answer(suggested, name)) {
+        (before, after) if before == after => None,
+        (Some(before), Some(after)) => Some(format!("{name} {after:?} in place of {before:?}")),
+        (None, Some(after)) => Some(format!("{name} {after:?}")),
+        (before, None) => before.map(|before| format!("no {name} in place of {before:?}")),
+    };
+    QUESTIONS.iter().filter_map(|question| change(question.name)).collect()
 }
 
 #[cfg(test)]
@@ -44,6 +66,24 @@ mod tests {
             let suggestion = suggestion("own", &given).unwrap_or_else(|| panic!("{given:?}"));
             assert!(rig_file("own", &suggestion).is_ok(), "{suggestion:?}");
         }
+    }
+
+    /// A rig that is pasted without a look at what it has in place of the data sheet's would be another machine.
+    #[test]
+    fn a_number_keeps_its_value_and_what_is_changed_is_named() {
+        let given = [
+            ("cylinder", "iso-15552-32"),
+            ("stroke", "250 mm"),
+            ("mass", "12"),
+            ("incline", "-90"),
+            ("flow", "700 l/min at 6 bar"),
+        ];
+        let given = Answers::of(&given);
+        let suggested = suggestion("own", &given).expect("a rig");
+        assert_eq!([suggested.text("mass"), suggested.text("incline")], [Some("12 kg"), Some("-90 deg")]);
+        let changed = changed(&given, &suggested);
+        assert!(changed.iter().any(|one| one.contains("in place of \"700 l/min at 6 bar\"")), "{changed:?}");
+        assert_eq!(changed.len(), 3, "{changed:?}");
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use pneudrive_design::own_drive::{remarks, rig_file};
 use pneudrive_design::question::{AnswerProblem, Answers, QUESTIONS};
-use pneudrive_design::suggestion::suggestion;
+use pneudrive_design::suggestion::{changed, suggestion};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -36,8 +36,9 @@ fn answers_of(given: &Bound<'_, PyDict>) -> PyResult<Answers> {
 fn refusal(name: &str, answers: &Answers, wrong: &[AnswerProblem]) -> PyErr {
     let lines = wrong.iter().map(|one| format!("{}: {}", keyword(one.question), one.message));
     let call = |others: Answers| {
+        let changed = changed(answers, &others).join(", ");
         let answers = others.given().map(|(question, text)| format!(", {}={text:?}", keyword(question)));
-        format!("this works: Rig.new({name:?}{})", answers.collect::<String>())
+        format!("this works: Rig.new({name:?}{})\n  with {changed}", answers.collect::<String>())
     };
     let text = lines.chain(suggestion(name, answers).map(call)).collect::<Vec<_>>().join("\n");
     let part =

@@ -277,7 +277,9 @@ fn is_no_end_position(id: u16, in_file: i32) -> bool {
 /// Notes which parameters of the rig differ from the file: the run uses those of the rig. A different loop or period
 /// is refused, because the moves would mean something else.
 fn compare_parameters(rig: &Parameters, file: &Parameters, name: &str) -> Result<()> {
-    for id in [id::OPEN_LOOP, id::STEPPER, id::PERIOD_US, id::ON_ARRIVAL] {
+    let closed = file.get(id::OPEN_LOOP) == Some(Loop::Closed as i32);
+    let of_setpoints = closed.then_some(id::ENCODER_PM_PER_COUNT);
+    for id in [id::OPEN_LOOP, id::STEPPER, id::PERIOD_US, id::ON_ARRIVAL].into_iter().chain(of_setpoints) {
         let (on_rig, in_file) = (rig.get(id), file.get(id));
         if on_rig != in_file {
             bail!(

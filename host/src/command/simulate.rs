@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use anyhow::Result;
 use pneudrive_evaluate::cancel::CancelToken;
-use pneudrive_evaluate::evaluation::{moves_of_run, remarks, table, to_json, tolerance_mm};
+use pneudrive_evaluate::evaluation::{moves_of_run, remarks, table, to_json, tolerance_mm, verdict};
 use pneudrive_evaluate::recorded_test::{RigOfRecord, taken_from};
 use pneudrive_evaluate::report;
 use pneudrive_evaluate::transient::Transient;
@@ -70,6 +70,7 @@ pub(super) fn execute(arguments: &Simulate) -> Result<()> {
     )?;
     json::figures(|| told::run(&rig, &judged, &to_json(&moves)));
     json::figures(|| json!({ "run": number, "took_ms": 1e3 * took.as_secs_f64(), "notes": notes }));
+    say!("{}: {}", rig.name(), sentence(&judged, &verdict(&moves, tolerance_mm(Some(&rig)))));
     say!("{}, in {:.1} ms", notes[0], 1e3 * took.as_secs_f64());
     notes[1..notes.len() - remarks.len()].iter().for_each(|note| say!("{note}"));
     say!("{}\n{}", table.heading, table.to_text());
@@ -87,6 +88,8 @@ fn rig_of(arguments: &Simulate) -> Result<RigOfRecord> {
     if let Some(test) = &arguments.test {
         rig = rig.with_test_of(&load_rig(test, &[])?)?;
     }
+    // A recorded test has no tolerance of its own.
+    let own_mm = rig.is_set(&keys::test::TOLERANCE_MM).then(|| rig.get(&keys::test::TOLERANCE_MM));
     let RigOfRecord { rig, notes } = match (&arguments.from, &arguments.points) {
         (Some(from), _) => taken_from(from, &rig)?,
         (None, Some(table)) => {
@@ -95,7 +98,7 @@ fn rig_of(arguments: &Simulate) -> Result<RigOfRecord> {
         }
         (None, None) => RigOfRecord { rig, notes: Vec::new() },
     };
-    let tolerance = arguments.tolerance_mm.map(|mm| keys::test::TOLERANCE_MM.setting(mm));
+    let tolerance = arguments.tolerance_mm.or(own_mm).map(|mm| keys::test::TOLERANCE_MM.setting(mm));
     Ok(RigOfRecord { rig: rig.with_settings(tolerance.as_slice())?, notes })
 }
 
@@ -115,6 +118,13 @@ fn strictly(judged: &Judged) -> Result<()> {
         true => Ok(()),
         false => Err(Exit::Unconverged.error(words::convergence(&judged.convergence))),
     }
+}
+
+/// What the drive does, with what takes its worth from it first.
+fn sentence(judged: &Judged, verdict: &str) -> String {
+    let trips = judged.run.fault.map(|(fault, _)| format!("trips with {}; ", words::fault_name(fault)));
+    let doubt = (!judged.convergence.is_converged()).then_some("not converged, so this may be otherwise: ");
+    [trips.as_deref(), doubt, Some(verdict)].into_iter().flatten().collect()
 }
 
 fn page(rig: &Rig, judged: &Judged, notes: Vec<String>, table: Table) -> Page {

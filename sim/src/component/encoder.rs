@@ -57,6 +57,13 @@ pub fn pulse(rig: &Rig) -> f64 {
     mm_per_count(rig) * 1e-3
 }
 
+/// The counts of a length, m, rounded down. A length of whole counts keeps its last one: 250 mm are 25,000 counts of 10 um, although
+/// their quotient may be a rounding error less.
+#[must_use]
+pub fn counts_of(rig: &Rig, metres: f64) -> i64 {
+    (metres * 1e3 / mm_per_count(rig) + 1e-6).floor() as i64
+}
+
 /// A count of the encoder, mm.
 #[must_use]
 pub fn mm_per_count(rig: &Rig) -> f64 {

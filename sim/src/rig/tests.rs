@@ -259,6 +259,19 @@ fn a_rig_without_pressure_sensors_tells_its_controller_and_feeds_nothing_back() 
     assert_eq!(of(&format!("{event}sensor = \"spool\"\n")), Some(0));
 }
 
+/// A stroke of 250 mm is 25,000 counts of 10 um, but 0.25 / 1e-5 may be a rounding error less.
+#[test]
+fn a_move_to_the_end_of_the_stroke_is_one_that_the_controller_takes() {
+    for (mm_per_count, stroke) in [(0.01, 0.25), (0.01, 0.35), (0.005, 0.1), (0.024, 0.6), (0.001, 0.3)] {
+        let last = (stroke * 1e3 / mm_per_count + 0.5_f64).floor() as i64;
+        let rig = read(&format!(
+            "[actuator]\nstroke_m = {stroke}\n[encoder]\nmm_per_count = {mm_per_count}\n[test]\nposition_m = 0.05\nmoves = [[0.0, {last}]]\n"
+        ));
+        let end = rig.parameters().get(id::END_MAX_COUNTS).map(i64::from);
+        assert_eq!(end, Some(last), "{stroke} m by {mm_per_count} mm");
+    }
+}
+
 #[test]
 fn setpoints_beyond_a_software_end_position_are_refused() {
     let message = only_problem("[safety]\nend_max_mm = 150\n");

@@ -124,7 +124,7 @@ fn check_setpoints(rig: &Rig, planned: &[Planned], findings: &mut Findings) {
             findings.note(end, format!("setpoint {target} lies beyond it"));
         }
     }
-    let stroke = (rig.get(&actuator::keys::STROKE_M) * 1e3 / mm_per_count) as i64;
+    let stroke = encoder::counts_of(rig, rig.get(&actuator::keys::STROKE_M));
     let outside = |target: &i64| *target < 0 || *target > stroke;
     for target in planned.iter().filter_map(|one| one.extremes().into_iter().find(outside)) {
         let message = format!("setpoint {target} is outside the stroke of 0 to {stroke} counts");

@@ -8,7 +8,7 @@ use clap::Parser;
 use pneudrive_design::own_drive::{remarks, rig_file};
 use pneudrive_design::parts::{self, Family, Figure, Part};
 use pneudrive_design::question::{AnswerProblem, Answers, QUESTIONS, Question, question_of};
-use pneudrive_design::suggestion::suggestion;
+use pneudrive_design::suggestion::{changed, suggestion};
 use pneudrive_design::values;
 use pneudrive_records::whole_file;
 use pneudrive_sim::component::controller::Law;
@@ -72,9 +72,10 @@ pub(super) fn execute(arguments: &NewRig) -> Result<()> {
 /// The problem of each answer, and a command with other answers that works.
 fn refused(arguments: &NewRig, answers: &Answers, wrong: &[AnswerProblem]) -> anyhow::Error {
     let mut lines: Vec<String> = wrong.iter().map(ToString::to_string).collect();
-    lines.extend(
-        suggestion("own", answers).map(|others| format!("this works: {}", command_of(arguments, &others))),
-    );
+    lines.extend(suggestion("own", answers).map(|others| {
+        let changed = changed(answers, &others).join(", ");
+        format!("this works: {}\n  with {changed}", command_of(arguments, &others))
+    }));
     anyhow::anyhow!("{}", lines.join("\n"))
 }
 
