@@ -47,11 +47,16 @@ pub fn rig_file(name: &str, answers: &Answers) -> Result<String, Vec<AnswerProbl
 
 /// Why a drive got gains, by what is wrong with it for the law that positions.
 fn by_gains(wrong: &[AnswerProblem]) -> String {
-    let refusal = wrong.iter().find(|problem| problem.question == LAW);
-    // Its words begin with the answer that nobody gave.
-    let needs = refusal.and_then(|problem| problem.message.split_once(keys::controller::LAW.path));
-    let why = needs.map_or("the cascade has no model of this drive", |(_, words)| words.trim());
+    let why = needs(wrong).unwrap_or("the cascade has no model of this drive");
     format!("{why}; `pneudrive tune` finds the gains")
+}
+
+/// What a drive lacks for the law that positions.
+fn needs(wrong: &[AnswerProblem]) -> Option<&str> {
+    let refusal = wrong.iter().find(|problem| problem.question == LAW)?;
+    // Its words begin with the answer that nobody gave.
+    let (_, words) = refusal.message.split_once(keys::controller::LAW.path)?;
+    Some(words.trim())
 }
 
 /// The control law that was asked for.
@@ -113,10 +118,22 @@ fn with_law(name: &str, answers: &Answers, law: Law, why: &str) -> Result<String
     if wrong.is_empty() { Ok(text) } else { Err(wrong) }
 }
 
-/// A remark for the user on answers that were read in one of several ways.
+/// Remarks for the user: on answers that were read in one of several ways, and on what a drive lacks for the law that positions.
 #[must_use]
 pub fn remarks(answers: &Answers) -> Vec<String> {
-    valve::remark(answers).into_iter().collect()
+    valve::remark(answers).into_iter().chain(law_remark(answers)).collect()
+}
+
+/// What the drive lacks for the law that positions, where nobody has chosen one.
+fn law_remark(answers: &Answers) -> Option<String> {
+    if law_of(answers).ok()?.is_some() {
+        return None;
+    }
+    let wrong = with_law("own", answers, Law::Cascade, "").err()?;
+    let needs = needs(&wrong)?;
+    Some(format!(
+        "{needs}; so the drive gets the law \"gain-profile\", whose gains are to be tuned and which ends some tenths of a millimetre off its target"
+    ))
 }
 
 fn about(name: &str, answers: &Answers) -> Vec<String> {

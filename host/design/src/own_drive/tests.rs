@@ -100,6 +100,9 @@ fn a_file_says_why_its_drive_has_gains_instead_of_a_model() {
         "{why}"
     );
     assert!(why.ends_with("the valve at the cylinder; `pneudrive tune` finds the gains"), "{why}");
+    let told = remarks(&Answers::of(&with(&tubes)));
+    assert!(told.iter().any(|one| one.contains("the valve at the cylinder; so the drive gets")), "{told:?}");
+    assert_eq!(remarks(&Answers::of(&with(&[]))), Vec::<String>::new(), "nothing is lacking");
     let chosen = [&tubes[..], &[("law", "gain-profile")]].concat();
     assert!(line(&chosen).ends_with("# given"), "it was asked for");
 }
