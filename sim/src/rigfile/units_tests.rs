@@ -115,3 +115,20 @@ fn an_origin_that_says_nothing_is_refused() {
         assert!(message.starts_with(&format!("rig.toml:2: load.mass_kg: {expected}")), "{message}");
     }
 }
+
+/// Gauge and absolute are a bar apart, and a run with the wrong one looks as good.
+#[test]
+fn a_pressure_that_does_not_say_from_where_it_counts_is_refused() {
+    for (table, name) in [("supply", "pressure"), ("sensors", "pressure_max"), ("test", "pressure_1")] {
+        let of = |text: &str| format!("[{table}]\n{name} = \"{text}\"\n");
+        let message = only_problem(&of("6.5 bar"), &[]);
+        assert!(
+            message.ends_with(r#""6.5 bar" may be gauge or absolute: write "6.5 bar(g)" or "6.5 bar(a)""#),
+            "{message}"
+        );
+        for said in ["6.5 bar(g)", "6.5 bar(a)"] {
+            read(&of(said));
+        }
+    }
+    read("[exhaust]\npressure = \"1013 hPa\"\n");
+}

@@ -5,6 +5,7 @@ use toml_edit::Item;
 use super::origin::Stated;
 use super::quantity::{self, Reading};
 use crate::key::{Key, Kind, Preset, unit as stem};
+use crate::keys;
 use crate::rig::preset_value;
 use crate::values::Value;
 
@@ -25,16 +26,34 @@ pub(super) fn with_unit(key: &Key, path: &str, item: &Item, surroundings: f64) -
     }
     let text =
         item.as_str().ok_or_else(|| format!("must be a text with its unit, such as \"1 {}\"", key.unit()))?;
-    absolute(quantity::read(text, key.unit())?, surroundings).map(|number| Item::Value(number.into()))
+    absolute(pressure_that_says(key, text)?, surroundings).map(|number| Item::Value(number.into()))
 }
 
 /// An end of the range of a value: a number in the unit of its key, or a text with its own.
 pub(super) fn end_of(key: &Key, item: &Item, surroundings: f64) -> Result<f64, String> {
     match (real(item), item.as_str()) {
         (Some(number), _) => Ok(number),
-        (None, Some(text)) => absolute(quantity::read(text, key.unit())?, surroundings),
+        (None, Some(text)) => absolute(pressure_that_says(key, text)?, surroundings),
         (None, None) => Err("low and high are numbers, or texts with a unit".to_owned()),
     }
+}
+
+/// Pressures that people state from that of the surroundings or from none: "6 bar" may be either, a bar apart.
+static FROM_SOMEWHERE: [&Key; 5] = [
+    &keys::supply::PRESSURE_PA.key,
+    &keys::sensors::PRESSURE_MIN_PA.key,
+    &keys::sensors::PRESSURE_MAX_PA.key,
+    &keys::test::PRESSURE_1_PA.key,
+    &keys::test::PRESSURE_2_PA.key,
+];
+
+/// A number with its unit, which says from where such a pressure counts.
+fn pressure_that_says(key: &Key, text: &str) -> Result<Reading, String> {
+    let reading = quantity::read(text, key.unit())?;
+    if FROM_SOMEWHERE.iter().any(|one| one.path == key.path) && !reading.says_from_where {
+        return Err(format!("{text:?} may be gauge or absolute: write \"{text}(g)\" or \"{text}(a)\""));
+    }
+    Ok(reading)
 }
 
 fn absolute(reading: Reading, surroundings: f64) -> Result<f64, String> {
