@@ -19,8 +19,8 @@ pub const MAX_INSTRUCTIONS: u64 = 480;
 pub const MAX_INSTRUCTIONS_OF_FIRST: u64 = 490;
 
 /// What both may take under the law cascade, in the mean of a run and at most: on a drive by its data sheets, and on one whose
-/// spool is measured behind tubes, which is not yet within the former.
-pub const BUDGETS_OF_CASCADE: [(f64, u64); 2] = [(2500.0, 4000), (4400.0, 7100)];
+/// spool is measured behind tubes.
+pub const BUDGETS_OF_CASCADE: [(f64, u64); 2] = [(2350.0, 3850), (2800.0, 4600)];
 
 /// A run and what it has cost.
 pub struct Cost {

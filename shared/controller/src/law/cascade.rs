@@ -198,9 +198,7 @@ impl Settings {
 
     /// The limits of a way about a place (counts) with a mass (1/M, Q16): the jerk is that of the flow at three fifths of the supply.
     fn limits(&self, x: i32, by_mass: i32) -> Limits {
-        const MIDDLE: i32 = number::ONE / 5 * 3;
-        let air = self.air.at(x, [MIDDLE; 2]);
-        let rate = product(air.extend.min(air.retract), self.way[2], 16);
+        let rate = product(self.air.slower(x), self.way[2], 16);
         let [speed, acceleration, _] = self.way;
         Limits {
             speed,

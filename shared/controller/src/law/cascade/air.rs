@@ -20,10 +20,13 @@
 //! | K | Q30 | 0 to 0.7 | 2e-3 of it, at a stroke of 10^6 counts |
 //! | E, R | Q24 | 0 to 32 | 1e-4 of the largest |
 
-use super::number::{ONE, product, root};
-use super::tubes::{self, Path, Tubes};
-use crate::fixed::saturate;
+use super::land::Land;
+use super::number::{ONE, fitting, product, root};
+use super::tubes::{self, Side, Tubes};
 use crate::parameters::{Parameters, id};
+
+/// Pressure of both chambers of a load on its way, Q24: three fifths of the supply's.
+const MIDDLE: i32 = ONE / 5 * 3;
 
 /// What it knows of cylinder and valve.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -42,10 +45,23 @@ pub struct Constants {
     flow: [i32; 2],
     steepness: [i32; 2],
     tubes: Option<Tubes>,
+    /// C of the land at its other end, Q16.
+    shut: u32,
+    /// The paths of a chamber at the middle pressure.
+    middle: [Path; 2],
+}
+
+/// An open path, whatever the length of its chamber.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Path {
+    /// phi, Q24.
+    up: i32,
+    /// What tubes leave of its flow, Q17.
+    left: u32,
 }
 
 /// The air at a sample.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Air {
     /// K, Q30.
     pub stiffness: i32,
@@ -53,20 +69,14 @@ pub struct Air {
     pub extend: i32,
     /// R, Q24.
     pub retract: i32,
-    /// What E and R would be without tubes, over what they are, Q16.
-    pub(super) narrow: [i32; 2],
-}
-
-impl Default for Air {
-    fn default() -> Air {
-        Air { stiffness: 0, extend: 0, retract: 0, narrow: [tubes::WIDE; 2] }
-    }
+    /// Both of a valve with a land before a port.
+    pub(super) sides: [Side; 2],
 }
 
 impl Constants {
     pub(super) fn of(parameters: &Parameters) -> Constants {
         let get = |id| parameters.scalar(id);
-        Constants {
+        let mut constants = Constants {
             offset: get(id::CASCADE_PRESSURE_OFFSET),
             gain: get(id::CASCADE_PRESSURE_GAIN),
             exhaust: get(id::CASCADE_EXHAUST_PRESSURE),
@@ -77,7 +87,11 @@ impl Constants {
             flow: [get(id::CASCADE_FLOW_SUPPLY), get(id::CASCADE_FLOW_EXHAUST)],
             steepness: [get(id::CASCADE_STEEPNESS_SUPPLY), get(id::CASCADE_STEEPNESS_EXHAUST)],
             tubes: Tubes::of(parameters),
-        }
+            shut: Land::of(parameters).map_or(0, |land| land.shut),
+            middle: [Path::default(); 2],
+        };
+        constants.middle = [constants.fill(MIDDLE), constants.vent(MIDDLE)];
+        constants
     }
 
     /// P of a raw pressure; no less than half of Pe.
@@ -91,62 +105,78 @@ impl Constants {
         one - product(self.ratio, two, 24) - product(self.exhaust, ONE - self.ratio, 24)
     }
 
-    /// The air with the piston at x (counts) and these pressures.
-    pub(super) fn at(&self, x: i32, pressures: [i32; 2]) -> Air {
+    /// 1/L with the piston at x, counts.
+    #[inline(always)]
+    fn by_lengths(&self, x: i32) -> [i32; 2] {
         let x = x.min(self.stroke).max(0);
         let lengths = [self.dead[0] + x, self.dead[1] + self.stroke - x];
         // 2^32/L; a length is at least 16.
-        let [one, two] = lengths.map(|length| u32::MAX.checked_div(length as u32).unwrap_or(0) as i32);
+        lengths.map(|length| u32::MAX.checked_div(length as u32).unwrap_or(0) as i32)
+    }
+
+    /// The air with the piston at x (counts) and these pressures.
+    pub(super) fn at(&self, x: i32, pressures: [i32; 2]) -> Air {
+        let [one, two] = self.by_lengths(x);
         let [p1, p2] = pressures;
         let springs = product(p1, one, 26) + product(product(self.ratio, p2, 24), two, 26);
         let stiffness = product(springs, self.exponent, 16);
-        let [fill_1, fill_2] = [(p1, one), (p2, two)].map(|(p, by_length)| self.fill(p, by_length));
-        let [vent_1, vent_2] = [(p1, one), (p2, two)].map(|(p, by_length)| self.vent(p, by_length));
-        match &self.tubes {
-            None => Air {
-                stiffness,
-                extend: fill_1.flow.saturating_add(vent_2.flow),
-                retract: vent_1.flow.saturating_add(fill_2.flow),
-                narrow: [tubes::WIDE; 2],
-            },
-            Some(tubes) => {
-                let filled = [tubes.fill(&fill_1, p1), tubes.fill(&fill_2, p2)];
-                let vented =
-                    [(&vent_1, p1), (&vent_2, p2)].map(|(path, p)| tubes.vent(path, p, self.exhaust));
-                let ([fill_1, fill_2], [vent_1, vent_2]) = (filled, vented);
-                let [extend, retract] = [fill_1.and(vent_2), vent_1.and(fill_2)];
-                Air {
-                    stiffness,
-                    extend: extend.with,
-                    retract: retract.with,
-                    narrow: [extend.narrow(), retract.narrow()],
-                }
-            }
+        let ([fill_1, fill_2], [vent_1, vent_2]) =
+            (pressures.map(|p| self.fill(p)), pressures.map(|p| self.vent(p)));
+        let of_extend = [self.flow(fill_1, one, 0), self.flow(vent_2, two, 1)];
+        let of_retract = [self.flow(vent_1, one, 1), self.flow(fill_2, two, 0)];
+        let [extend, retract] = [of_extend, of_retract].map(|[one, two]| one + two);
+        if self.shut == 0 {
+            return Air { stiffness, extend, retract, sides: [Side::default(); 2] };
         }
+        let left = |[one, two]: [i32; 2], [of_one, of_two]: [Path; 2]| {
+            tubes::part(one, of_one.left) + tubes::part(two, of_two.left)
+        };
+        let with = [left(of_extend, [fill_1, vent_2]), left(of_retract, [vent_1, fill_2])];
+        let sides = [Side::new(extend, with[0], self.shut), Side::new(retract, with[1], self.shut)];
+        Air { stiffness, extend: with[0], retract: with[1], sides }
+    }
+
+    /// The smaller of E and R with the piston at x and both pressures in the middle.
+    pub(super) fn slower(&self, x: i32) -> i32 {
+        let ([one, two], [fill, vent]) = (self.by_lengths(x), self.middle);
+        let flow = |path: Path, by_length, which| tubes::part(self.flow(path, by_length, which), path.left);
+        let extend = flow(fill, one, 0) + flow(vent, two, 1);
+        extend.min(flow(vent, one, 1) + flow(fill, two, 0))
     }
 
     #[inline(always)]
-    fn fill(&self, pressure: i32, by_length: i32) -> Path {
-        self.path(ONE, product(ONE - pressure, self.steepness[0], 16), by_length, self.flow[0])
+    fn fill(&self, pressure: i32) -> Path {
+        let up = phi(ONE, product(ONE - pressure, self.steepness[0], 16));
+        Path { up, left: self.tubes.as_ref().map_or(tubes::ALL, |tubes| tubes.fill(up, pressure)) }
     }
 
     #[inline(always)]
-    fn vent(&self, pressure: i32, by_length: i32) -> Path {
+    fn vent(&self, pressure: i32) -> Path {
         // (P - Pe)/P in Q16: P is below 2^25, and not 0.
         let drop = (pressure - self.exhaust).max(0) as u32;
         let part = (drop << 7).checked_div(pressure as u32 >> 9).unwrap_or(0);
-        self.path(pressure, product(part.min(1 << 16) as i32, self.steepness[1], 8), by_length, self.flow[1])
+        let up = phi(pressure, product(part.min(1 << 16) as i32, self.steepness[1], 8));
+        let left = self.tubes.as_ref().map_or(tubes::ALL, |tubes| tubes.vent(up, pressure, self.exhaust));
+        Path { up, left }
     }
 
-    /// c phi(P, y)/L; y in Q24.
+    /// c phi/L.
     #[inline(always)]
-    fn path(&self, pressure: i32, y: i32, by_length: i32, flow: i32) -> Path {
-        let y = y.clamp(0, ONE);
-        let share = root(product(y, 2 * ONE - y, 18) as u32) as i32;
-        let up = product(pressure, share, 15);
-        let flow = saturate((i64::from(product(up, by_length, 24)) * i64::from(flow)) >> 24).min(16 * ONE);
-        Path { up, flow }
+    fn flow(&self, path: Path, by_length: i32, which: usize) -> i32 {
+        let [supply, exhaust] = self.flow;
+        let flow = if which == 0 { supply } else { exhaust };
+        // At most 2^29.
+        let open = fitting(path.up as u32, by_length as u32, 24);
+        ((u64::from(open) * u64::from(flow.unsigned_abs())) >> 24).min(16 << 24) as i32
     }
+}
+
+/// phi(P, y); y in Q24.
+#[inline(always)]
+fn phi(pressure: i32, y: i32) -> i32 {
+    let y = y.clamp(0, ONE) as u32;
+    let share = root(fitting(y, (2 << 24) - y, 18));
+    fitting(pressure as u32, share, 15) as i32
 }
 
 #[cfg(test)]

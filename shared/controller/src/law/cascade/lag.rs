@@ -17,7 +17,7 @@
 //! | s, L | Q24 of 0.1 and of 1 ms | -8 to 8, -4 to 4 |
 //! | pace, 1/pace, tau/tau' | Q16 | 0.5 to 3, 1/3 to 2, 1/3 to 2 |
 
-use super::number::{product, ratio};
+use super::number::{product, ratio, share};
 use super::squares::Squares;
 use crate::fixed::saturate;
 use crate::parameters::{Parameters, id};
@@ -116,7 +116,7 @@ impl Missed {
         let change = (i64::from(self.error) * i64::from(constants.rate)) >> 14;
         self.rate = (self.rate + change).clamp(-MOST, MOST);
         let found = saturate((self.rate + (1 << 15)) >> 16);
-        self.error = product(self.error, constants.decay, 30).saturating_add(rate).saturating_sub(found);
+        self.error = share(self.error, constants.decay).saturating_add(rate).saturating_sub(found);
     }
 }
 

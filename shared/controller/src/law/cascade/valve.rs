@@ -19,10 +19,9 @@
 
 use super::air::Air;
 use super::land::Land;
-use super::number::{product, ratio, within};
+use super::number::{over, product, ratio, within};
 use super::spring::{self, Spool};
 use super::transition::{MOST, Transition};
-use super::tubes;
 use crate::parameters::{Parameters, id};
 
 /// Places nearer than this are the same, Q16: 2 counts.
@@ -66,7 +65,7 @@ impl Constants {
     pub(super) fn of(parameters: &Parameters) -> Constants {
         let get = |id| parameters.scalar(id);
         let land = Land::of(parameters);
-        let leakage = land.as_ref().map_or(get(id::CASCADE_LEAKAGE), |land| land.shut);
+        let leakage = land.as_ref().map_or(get(id::CASCADE_LEAKAGE), |land| land.shut as i32);
         let span = get(id::CASCADE_SPAN);
         let whole = u64::from(span.unsigned_abs());
         Constants {
@@ -102,27 +101,26 @@ impl Constants {
     #[inline(never)]
     fn rate_of_land(&self, land: &Land, air: &Air, z: i32) -> i32 {
         let open = land.conductance(z.saturating_abs().saturating_sub(self.lap));
-        let [extends, retracts] = if z > 0 { [open, land.shut] } else { [land.shut, open] };
-        let [wide, narrow] = air.narrow;
-        tubes::rate(air.extend, wide, extends) - tubes::rate(air.retract, narrow, retracts)
+        let [extend, retract] = &air.sides;
+        if z > 0 { extend.through(open) - retract.leak } else { extend.leak - retract.through(open) }
     }
 
     /// As [`Constants::opening`], of a land.
     #[inline(never)]
     fn opening_of_land(&self, land: &Land, air: &Air, rate: i32, least: i32) -> i32 {
-        let [of_extend, of_retract] = air.narrow;
-        let leaks = [(air.extend, of_extend), (air.retract, of_retract)]
-            .map(|(open, narrow)| tubes::rate(open, narrow, land.shut));
-        let [extends, retracts] = leaks;
-        let net = rate.saturating_sub(extends - retracts);
+        let [extend, retract] = &air.sides;
+        let net = rate.saturating_sub(extend.leak - retract.leak);
         if net.unsigned_abs() < least.unsigned_abs() {
             return 0;
         }
-        let (open, narrow, leak) =
-            if net > 0 { (air.extend, of_extend, extends) } else { (air.retract, of_retract, retracts) };
-        let asked = u64::from(net.saturating_abs().saturating_add(leak).unsigned_abs());
-        let of_rate = ratio(asked << 16, u64::from(open.unsigned_abs())).min(1 << 16) as i32;
-        let place = self.lap.saturating_add(land.opening(tubes::part(narrow, of_rate)));
+        let (side, open) = if net > 0 { (extend, air.extend) } else { (retract, air.retract) };
+        let asked = net.saturating_abs().saturating_add(side.leak);
+        let beyond = if asked < open {
+            land.opening(over(asked as u32, side.without, 31), side.twice)
+        } else {
+            land.span
+        };
+        let place = self.lap.saturating_add(beyond);
         place.clamp(0, MOST).saturating_mul(net.signum())
     }
 
