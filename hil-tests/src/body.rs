@@ -287,6 +287,24 @@ pub fn a_measured_spool(start: Start) {
     assert_equal_in_every_integer(&*start(&rig), &rig);
 }
 
+/// Servo-drive A under the law on a model, which moves its spool by a stepper.
+///
+/// # Panics
+/// When the record is not the simulation.
+pub fn a_stepped_spool(start: Start) {
+    let rig = rig(
+        "servo-a",
+        &[
+            "controller.law=cascade",
+            "controller.period_s=0.0005",
+            "controller.delay_s=0.0002",
+            "test.moves=[[0.0, 8192], [0.1, 13171], [0.7, 8192]]",
+            "test.duration_s=1.2",
+        ],
+    );
+    assert_equal_in_every_integer(&*start(&rig), &rig);
+}
+
 /// The inputs of an execution level's record, as `pneudrive record` leaves it, through the controller on the PC.
 /// The recorded inputs make the recorded outputs on the PC: what is done with a record from a real cylinder.
 ///

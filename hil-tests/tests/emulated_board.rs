@@ -205,6 +205,11 @@ fn the_emulated_board_follows_a_measured_spool_as_the_simulation_does() {
 }
 
 #[test]
+fn the_emulated_board_moves_a_stepped_spool_as_the_simulation_does() {
+    body::a_stepped_spool(emulated_board);
+}
+
+#[test]
 fn a_late_sample_trips_the_emulated_board_by_name() {
     body::jitter::a_late_sample_trips_by_name(|rig| Box::new(started(rig)));
 }

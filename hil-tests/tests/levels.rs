@@ -62,6 +62,11 @@ fn the_virtual_rig_follows_a_measured_spool_as_the_simulation_does() {
 }
 
 #[test]
+fn the_virtual_rig_moves_a_stepped_spool_as_the_simulation_does() {
+    body::a_stepped_spool(virtual_rig);
+}
+
+#[test]
 fn the_watchdog_of_the_virtual_rig_bites_when_it_is_tried() {
     body::watchdog::a_watchdog_that_is_tried_resets_the_board(virtual_rig);
 }

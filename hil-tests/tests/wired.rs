@@ -63,6 +63,11 @@ fn a_board_of_chips_follows_a_measured_spool_as_the_simulation_does() {
     body::a_measured_spool(wired);
 }
 
+#[test]
+fn a_board_of_chips_moves_a_stepped_spool_as_the_simulation_does() {
+    body::a_stepped_spool(wired);
+}
+
 /// The modelled microcontroller has none.
 #[test]
 fn a_board_of_chips_without_a_watchdog_says_so() {

@@ -21,7 +21,7 @@ const SLOWER_MOVES: &str =
     "test.moves=[[0.0, 5187], [0.02, 10167], [0.52, 10001], [0.82, 5187], [0.9, 7677]]";
 
 /// The drive, what the law knows of it beside, and what else its plant is.
-const DRIVES: [(&str, &str, &[&str], &[&str]); 6] = [
+const DRIVES: [(&str, &str, &[&str], &[&str]); 7] = [
     (
         "level",
         "press",
@@ -63,6 +63,12 @@ const DRIVES: [(&str, &str, &[&str], &[&str]); 6] = [
         ],
         &["load.mass_kg=1.9", "supply.pressure_pa=570000.0"],
     ),
+    (
+        "stepper",
+        "servo-a",
+        &["controller.period_s=0.0005", "controller.delay_s=0.0002", "controller.law=cascade"],
+        &["load.mass_kg=1.9", "supply.pressure_pa=570000.0"],
+    ),
 ];
 
 fn settings(texts: &[&str]) -> Vec<String> {
@@ -71,8 +77,8 @@ fn settings(texts: &[&str]) -> Vec<String> {
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     for (name, drive, known, unknown) in DRIVES {
-        let is_measured = drive != "press";
-        let moves = if is_measured { SLOWER_MOVES } else { MOVES };
+        let is_of_thesis = drive != "press";
+        let moves = if is_of_thesis { SLOWER_MOVES } else { MOVES };
         let test = [moves, "test.duration_s=1.2", "test.position_m=0.062505"];
         let rig = Rig::builtin(drive).ok_or(drive)?;
         let rig = rig.with_settings(&settings(&[&test, known].concat()))?;
@@ -84,12 +90,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             writeln!(text, "# param.{} = {}", line.name, parameters.get(line.id).unwrap_or(line.default))?;
         }
         text.push_str("position_counts,pressure_1_raw,pressure_2_raw,setpoint_counts,dac_counts");
-        text.push_str(if is_measured { ",spool_raw\n" } else { "\n" });
+        text.push_str(if is_of_thesis { ",spool_raw\n" } else { "\n" });
         for seen in &run.observations {
             let numbers = [seen.position, seen.pressure_1.into(), seen.pressure_2.into(), seen.setpoint];
             numbers.iter().try_for_each(|number| write!(text, "{number},"))?;
             write!(text, "{}", seen.command)?;
-            if is_measured {
+            if is_of_thesis {
                 write!(text, ",{}", seen.spool)?;
             }
             text.push('\n');

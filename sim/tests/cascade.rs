@@ -3,7 +3,7 @@
 mod doubt;
 mod endurance;
 mod redirected;
-mod spring;
+mod thesis;
 
 use pneudrive_controller::law::Running;
 use pneudrive_controller::{Config, Fault, Mode, Move, Sequence, State, output, sample};

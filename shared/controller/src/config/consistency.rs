@@ -11,7 +11,7 @@
 //! | limits of positions, ends, pressures, spool | the lower below the upper one |
 //! | `homing_command_counts` | not 0: the axis would stand |
 //! | `direction_setup_us`, `pulse_width_us`, `period_us` | together below the period |
-//! | `law`, `cascade_stroke`, `pressure_sensors`, `stepper` | the law cascade has a model of its drive, knows the pressures, and moves a spool |
+//! | `law`, `cascade_stroke`, `pressure_sensors` | the law cascade has a model of its drive and knows the pressures |
 //! | the law's gain on pressures, `pressure_sensors` | no gain without sensors |
 
 use super::{ConfigError, NONE_IS_HIGH};
@@ -41,7 +41,7 @@ fn rules(parameters: &Parameters) -> [(bool, ConfigError); 14] {
     let full = (1 << get(id::SENSOR_BITS)) - 1;
     let none_is_high = get(id::SENSOR_HIGH_RAW) == i64::from(NONE_IS_HIGH);
     let is_cascade = Law::of(parameters.scalar(id::LAW)) == Law::Cascade && get(id::OPEN_LOOP) == 0;
-    let has_model = get(id::CASCADE_STROKE) > 0 && get(id::PRESSURE_SENSORS) != 0 && get(id::STEPPER) == 0;
+    let has_model = get(id::CASCADE_STROKE) > 0 && get(id::PRESSURE_SENSORS) != 0;
     // It leaves an error that friction holds; that is none of the valve's null.
     let learns_null = get(id::LEARNING_GAIN) != 0;
     let range = get(id::POSITION_MAX_COUNTS) - get(id::POSITION_MIN_COUNTS);

@@ -65,7 +65,7 @@ impl ConfigError {
                 "pressure_feedback_gain (on-off law) or pressure_damping_gain (other laws) must be 0 where pressure_sensors is 0"
             }
             ConfigError::NoModel => {
-                "law must be another than cascade without the parameters cascade_... of a rig file, with pressure_sensors = 0, with a stepper, or with a learning_gain"
+                "law must be another than cascade without the parameters cascade_... of a rig file, with pressure_sensors = 0, or with a learning_gain"
             }
             ConfigError::DivisorNotPositive => "period_us, delay_us and scale must be positive",
         }

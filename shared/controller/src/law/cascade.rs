@@ -19,6 +19,7 @@
 //! | [`valve`] | the command for that rate |
 //! | `land`, `tubes` | how far a land before a port opens, and what tubes leave of the flow |
 //! | `spring`, `transition` | a spool on a spring with friction, that is measured; how a spool moves |
+//! | `stepper` | a spool that goes a step a sample |
 //! | [`known`] | what it knows at a sample, to be looked at |
 //! | `number`, `squares` | products, quotients and roots; least squares |
 //!
@@ -47,6 +48,7 @@ pub mod rest;
 pub mod sensor;
 mod spring;
 mod squares;
+mod stepper;
 mod transition;
 mod tubes;
 pub mod valve;

@@ -10,6 +10,7 @@ mod plan;
 mod sensors;
 mod spring;
 mod squares;
+mod stepper;
 mod trajectory;
 mod valve;
 

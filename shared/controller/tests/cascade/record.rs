@@ -7,13 +7,14 @@ use pneudrive_controller::{Config, Move, Parameters, Sample, Sequence, State};
 use crate::bench::{self, ControllerBench};
 
 /// Each record by its name.
-pub const RECORDS: [(&str, &str); 6] = [
+pub const RECORDS: [(&str, &str); 7] = [
     ("level", include_str!("records/level.csv")),
     ("upright", include_str!("records/upright.csv")),
     ("often", include_str!("records/often.csv")),
     ("slow", include_str!("records/slow.csv")),
     ("bristles", include_str!("records/bristles.csv")),
     ("spring", include_str!("records/spring.csv")),
+    ("stepper", include_str!("records/stepper.csv")),
 ];
 
 /// What the controller got at a sample, and what it commanded.

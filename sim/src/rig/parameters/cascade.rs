@@ -10,7 +10,11 @@
 //! sensors with a lag L   a = exp(-T/L), b = (1 - a) L/T
 //! poles                  force 0.6/tau, position 0.24/tau, motion observer 1.0/tau, flow observer 0.35/tau
 //! ways                   half of the speed of the choked flow, 0.4 of the force, 0.4 of the flow (0.24 with a measured spool)
+//! stepper              n: the first step whose rate of the force r_n >= 0.6/tau (Fc - T (r_1 + .. + r_n)),   r_i: of i steps from the null
 //! ```
+//!
+//! A stepper opens a step a sample. When the friction changes by Fc the force loop asks for 0.6/tau of what the force lacks, and the valve
+//! has opened so far after n samples; as it opens evenly it lags by half of that.
 //!
 //! Three keys of the rig file move these: `controller.cascade_dead_time_factor` multiplies tau, `controller.cascade_observer_factor`
 //! the poles of the observers, and `controller.cascade_flow_share` is the 0.4 of the ways, whose speed has 1.25 times as much.
@@ -58,7 +62,7 @@ pub(super) fn values(rig: &Rig) -> Vec<(u16, i32)> {
         drive.load(rig),
         drive.spool.values(rig),
         drive.sensors(rig),
-        drive.loops(),
+        drive.loops(rig),
     ]
     .concat()
 }
@@ -75,6 +79,7 @@ struct Drive {
     /// Ps A_1, N.
     force: f64,
     spool: Spool,
+    paths: Paths,
     /// What its ways ask for, and how much longer tau and how much faster the observers are than usual.
     flow_share: f64,
     dead_time_factor: f64,
@@ -85,6 +90,7 @@ impl Drive {
     fn of(rig: &Rig) -> Drive {
         let actuator = Actuator::of(rig);
         let supply = rig.get(&keys::supply::PRESSURE_PA);
+        let spool = Spool::of(rig);
         Drive {
             force: supply * actuator.area_1,
             actuator,
@@ -94,7 +100,8 @@ impl Drive {
             delay: rig.get(&keys::controller::DELAY_S),
             supply,
             exhaust: rig.get(&keys::exhaust::PRESSURE_PA),
-            spool: Spool::of(rig),
+            paths: Paths::of(rig, spool.reach),
+            spool,
             flow_share: rig.get(&keys::controller::CASCADE_FLOW_SHARE),
             dead_time_factor: rig.get(&keys::controller::CASCADE_DEAD_TIME_FACTOR),
             observer_factor: rig.get(&keys::controller::CASCADE_OBSERVER_FACTOR),
@@ -129,7 +136,7 @@ impl Drive {
             let volume = gas * REFERENCE_DENSITY * path.sonic_conductance;
             volume * self.period / self.actuator.area_1 / self.count
         };
-        let paths = Paths::of(rig);
+        let paths = &self.paths;
         let [supply, exhaust] = &paths.open;
         let steepness = |path: &Iso6358| 1.0 / (1.0 - path.critical_ratio);
         let speed = WAY_SPEED * self.flow_share * paths.kept * flow(exhaust) / exponent;
@@ -187,10 +194,37 @@ impl Drive {
         ]
     }
 
-    fn loops(&self) -> Vec<(u16, i32)> {
+    /// Rate of the force with the spool at z (m) over that at its null, in the middle of the stroke, N/s: n R Ts (m_in/l_1 + m_out/l_2).
+    fn rate(&self, rig: &Rig, z: f64) -> f64 {
+        let gas = rig.get(&keys::gas::HEAT_CAPACITY_RATIO)
+            * rig.get(&keys::gas::GAS_CONSTANT_J_PER_KG_K)
+            * rig.get(&keys::supply::TEMPERATURE_K);
+        let Actuator { area_1, area_2, stroke, residual_volumes, .. } = &self.actuator;
+        let lengths = [residual_volumes[0] / area_1, residual_volumes[1] / area_2];
+        let per_length = |(flow, dead): (f64, f64)| flow / (dead + 0.5 * stroke);
+        gas * self.paths.more(z).into_iter().zip(lengths).map(per_length).sum::<f64>()
+    }
+
+    /// n, the steps by which a stepper opens its valve when the running friction has to be made up for.
+    fn opened(&self, rig: &Rig, step: f64) -> i64 {
+        use keys::friction::{COULOMB_EXTEND_N, COULOMB_RETRACT_N};
+        let mut left = 0.5 * (rig.get(&COULOMB_EXTEND_N) + rig.get(&COULOMB_RETRACT_N));
+        let most = rig.get(&keys::stepper::MAX_STEPS);
+        for n in 1..most {
+            let rate = self.rate(rig, n as f64 * step);
+            left -= rate * self.period;
+            let tau = self.delay + 0.5 * (1 + n) as f64 * self.period;
+            if rate >= FORCE_POLE / tau * left {
+                return n;
+            }
+        }
+        most
+    }
+
+    fn loops(&self, rig: &Rig) -> Vec<(u16, i32)> {
+        let spool = self.spool.dead_time(|step| self.opened(rig, step));
         // Samples from one to what it does to the flow.
-        let tau =
-            self.dead_time_factor * (self.delay + 0.5 * self.period + self.spool.dead_time()) / self.period;
+        let tau = self.dead_time_factor * (self.delay + 0.5 * self.period + spool) / self.period;
         let decay = |pole: f64| fixed(libm::exp(-pole * self.observer_factor / tau), 30);
         vec![
             (id::CASCADE_DEAD_TIME, fixed(tau, 16)),
@@ -212,8 +246,9 @@ pub(in crate::rig) fn check(rig: &Rig, findings: &mut Findings) {
     }
     let rig = &*rig.nominal();
     let of_kind = match rig.get(&keys::operator::MODEL) {
-        OperatorKind::Solenoid => of_spring(rig),
-        _ => of_proportional_valve(rig),
+        OperatorKind::Stepper => of_stepper(rig),
+        OperatorKind::Solenoid => [of_coil(rig), of_spring(rig)].concat(),
+        _ => [of_coil(rig), of_proportional_valve(rig)].concat(),
     };
     for (_, what) in of_any_drive(rig).iter().chain(&of_kind).filter(|(met, _)| !met) {
         findings.note(&LAW, format!("\"cascade\" needs {what}"));
@@ -224,8 +259,7 @@ pub(in crate::rig) fn check(rig: &Rig, findings: &mut Findings) {
 type Need = (bool, String);
 
 fn of_any_drive(rig: &Rig) -> Vec<Need> {
-    let travel = spool_travel(rig);
-    let needs: [(bool, &str); 5] = [
+    let needs: [(bool, &str); 3] = [
         (
             rig.get(&keys::sensors::PRESSURE),
             "sensors.pressure = true: it is a loop of the force, which it knows by the pressures",
@@ -235,16 +269,23 @@ fn of_any_drive(rig: &Rig) -> Vec<Need> {
             "sensors.pressure_lag_s of at most 0.005: a force that is known in time",
         ),
         (
+            !rig.get(&keys::controller::LEARN_NULL_OFFSET),
+            "controller.learn_null_offset = false: it leaves an error that friction holds",
+        ),
+    ];
+    needs.map(|(met, what)| (met, what.to_owned())).into()
+}
+
+/// The command of a coil.
+fn of_coil(rig: &Rig) -> Vec<Need> {
+    let needs: [(bool, &str); 2] = [
+        (
             rig.get(&keys::dither::DITHER_MM) == 0.0,
             "operator.dither_mm = 0: its spool must be where it thinks it is",
         ),
         (
-            1e-3 * rig.get(&keys::amplifier::SATURATION_MM) >= travel,
+            1e-3 * rig.get(&keys::amplifier::SATURATION_MM) >= spool_travel(rig),
             "operator.saturation_mm of at least valve.spool_travel_mm: a command that opens the valve fully",
-        ),
-        (
-            !rig.get(&keys::controller::LEARN_NULL_OFFSET),
-            "controller.learn_null_offset = false: it leaves an error that friction holds",
         ),
     ];
     needs.map(|(met, what)| (met, what.to_owned())).into()
@@ -260,7 +301,7 @@ fn of_proportional_valve(rig: &Rig) -> Vec<Need> {
         ),
         (rig.get(&keys::valve::UNDERLAP_MM) >= 0.0, "valve.underlap_mm of at least 0: one path at a time"),
         (
-            Paths::of(rig).open.iter().all(|path| path.subsonic_index == 0.5),
+            Paths::of(rig, spool_travel(rig)).open.iter().all(|path| path.subsonic_index == 0.5),
             "valve.subsonic_index = 0.5: the ellipse of ISO 6358",
         ),
         (WITH_CONDUCTANCES.contains(&rig.get(&keys::valve::MODEL).word()), &by_conductance),
@@ -276,33 +317,46 @@ fn of_proportional_valve(rig: &Rig) -> Vec<Need> {
     needs.map(|(met, what)| (met, what.to_owned())).into()
 }
 
-/// The spool on a spring of the thesis, behind its ports and tubes.
+/// The spool on a spring of the thesis.
 fn of_spring(rig: &Rig) -> Vec<Need> {
+    let alone = (
+        rig.get(&keys::flow_force::FLOW_FORCE) == FlowForceKind::None,
+        "valve.flow_force = \"none\": a spool that feels its spring alone".to_owned(),
+    );
+    [behind_ports_and_tubes(rig, "its spool swings"), vec![alone]].concat()
+}
+
+/// The spool of the thesis that a stepper moves.
+fn of_stepper(rig: &Rig) -> Vec<Need> {
+    let within = (
+        Spool::of(rig).reach <= spool_travel(rig),
+        "operator.max_steps within valve.spool_travel_mm: steps that open the valve".to_owned(),
+    );
+    [behind_ports_and_tubes(rig, "it goes a step a sample"), vec![within]].concat()
+}
+
+/// The valve of the thesis with its ports and tubes, by an operator that needs a short period.
+fn behind_ports_and_tubes(rig: &Rig, why_short: &str) -> Vec<Need> {
+    let operator = rig.get(&keys::operator::MODEL).word();
     let [supply, exhaust] =
         [&keys::valve::DISCHARGE_SUPPLY, &keys::valve::DISCHARGE_EXHAUST].map(|key| rig.get(key));
+    let short =
+        format!("controller.period_s of at most 0.0005 with operator.model = \"{operator}\": {why_short}");
     let by_nodes = format!(
-        "valve.model = \"{}\" with operator.model = \"solenoid\": a land and a port in series",
+        "valve.model = \"{}\" with operator.model = \"{operator}\": a land and a port in series",
         WITH_NODES_AND_TUBES.join("\" or \"")
     );
-    let needs: [(bool, &str); 7] = [
-        (
-            rig.get(&keys::controller::PERIOD_S) <= 5e-4,
-            "controller.period_s of at most 0.0005 with operator.model = \"solenoid\": its spool swings",
-        ),
+    let by_tubes =
+        format!("tubing.model = \"empirical\" with operator.model = \"{operator}\": tubes that it knows");
+    let needs: [(bool, &str); 6] = [
+        (rig.get(&keys::controller::PERIOD_S) <= 5e-4, &short),
         (WITH_NODES_AND_TUBES.contains(&rig.get(&keys::valve::MODEL).word()), &by_nodes),
         (rig.get(&keys::valve::UNDERLAP_MM) == 0.0, "valve.underlap_mm = 0 with lands: one path at a time"),
-        (
-            rig.get(&keys::flow_force::FLOW_FORCE) == FlowForceKind::None,
-            "valve.flow_force = \"none\": a spool that feels its spring alone",
-        ),
         (
             supply == exhaust && rig.get(&keys::discharge::DISCHARGE_MODEL) == DischargeKind::Constant,
             "valve.discharge_model = \"constant\" and valve.discharge_exhaust as valve.discharge_supply: a known flow",
         ),
-        (
-            rig.get(&keys::tubing::MODEL) == TubingKind::Empirical,
-            "tubing.model = \"empirical\" with operator.model = \"solenoid\": tubes that it knows",
-        ),
+        (rig.get(&keys::tubing::MODEL) == TubingKind::Empirical, &by_tubes),
         (rig.get(&keys::tubing::LAG_S) == 0.0, "tubing.lag_s = 0: flows that follow the pressures at once"),
     ];
     needs.map(|(met, what)| (met, what.to_owned())).into()

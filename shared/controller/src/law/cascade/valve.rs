@@ -6,7 +6,7 @@
 //!                                                               of which a slower spool makes the part 1/pace ([`super::lag`])
 //! command     u = s + b^2 (goal - s) - (b - 1) D/w^2 s'         b = 1.5: as if the spool were so much faster
 //! goal        z +- half of the play when it has to be passed; within 2 counts of it the spool stays where it is
-//! behind a port or tubes   C and z by `land`, E and R of a part that is open by `tubes`; a measured spool: `spring`
+//! behind a port or tubes   C and z by `land`, E and R of a part that is open by `tubes`; a measured spool: `spring`, a stepper: `stepper`
 //! ```
 //!
 //! | quantity | format | range | largest error |
@@ -21,6 +21,7 @@ use super::air::Air;
 use super::land::Land;
 use super::number::{over, product, ratio, within};
 use super::spring::{self, Spool};
+use super::stepper::{self, Stepped};
 use super::transition::{MOST, Transition};
 use crate::parameters::{Parameters, id};
 
@@ -45,6 +46,7 @@ pub struct Constants {
     sample: Transition,
     land: Option<Land>,
     spring: Option<spring::Constants>,
+    stepper: Option<stepper::Constants>,
 }
 
 /// Where the spool is.
@@ -57,6 +59,8 @@ pub struct Valve {
     held: i32,
     /// One on a spring, that is measured.
     spool: Spool,
+    /// One that a stepper moves.
+    stepped: Stepped,
     /// The spool since the sample before, on average, Q16 counts of command.
     pub mean: i32,
 }
@@ -81,6 +85,7 @@ impl Constants {
             sample: Transition::of(parameters, id::CASCADE_SPOOL_SAMPLE_PLACE),
             land,
             spring: spring::Constants::of(parameters),
+            stepper: stepper::Constants::of(parameters),
         }
     }
 
@@ -160,12 +165,15 @@ impl Valve {
         self.place = within(self.place.saturating_add(nearer), 2 * MOST);
     }
 
-    /// Takes a measured spool, if the drive has one; `null`: the command at which the valve is at its null, counts.
+    /// Takes a spool that is measured or stepped, if the drive has one; `null`: the command at which the valve is at its null, counts.
     #[inline(always)]
     pub(super) fn sense(&mut self, constants: &Constants, raw: i16, null: i32) {
         if let Some(spring) = &constants.spring {
             self.spool.sense(spring, raw, null);
             self.mean = self.spool.mean;
+        } else if let Some(stepper) = &constants.stepper {
+            self.stepped.sense(stepper, raw, null);
+            self.mean = self.stepped.mean;
         }
     }
 
@@ -173,6 +181,9 @@ impl Valve {
     pub(super) fn drive(&mut self, constants: &Constants, by_pace: i32, wanted: i32) -> i32 {
         if let Some(spring) = &constants.spring {
             return self.spool.drive(spring, wanted);
+        }
+        if let Some(stepper) = &constants.stepper {
+            return self.stepped.drive(stepper, wanted);
         }
         let first = self.through_play(constants.play);
         self.go_on(constants.output, by_pace);

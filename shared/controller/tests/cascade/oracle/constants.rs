@@ -21,6 +21,12 @@ pub struct Spring {
     pub still: f64,
 }
 
+/// A stepper: counts of a step, and the farthest step.
+pub struct Stepper {
+    pub step: f64,
+    pub farthest: f64,
+}
+
 /// The constants, as the rig's parameters have them.
 pub struct Constants {
     pub stroke: f64,
@@ -60,6 +66,7 @@ pub struct Constants {
     /// a and b of the tubes from the supply and to the exhaust.
     pub tubes: [[f64; 2]; 2],
     pub spring: Option<Spring>,
+    pub stepper: Option<Stepper>,
     /// s, m.
     pub period: f64,
     pub count: f64,
@@ -90,6 +97,11 @@ fn spring(parameters: &Parameters) -> Option<Spring> {
         friction,
         still: (0.25 * friction * by_spring.abs()).max(0.25),
     })
+}
+
+fn stepper(parameters: &Parameters) -> Option<Stepper> {
+    let farthest = value(parameters, id::MAX_STEPS, 0);
+    (value(parameters, id::STEPPER, 0) != 0.0).then(|| Stepper { step: 2048.0 / farthest, farthest })
 }
 
 impl Constants {
@@ -139,6 +151,7 @@ impl Constants {
                 [get(id::CASCADE_TUBE_EXHAUST_CHOKED, 16), get(id::CASCADE_TUBE_EXHAUST_SLIGHT, 16)],
             ],
             spring: spring(parameters),
+            stepper: stepper(parameters),
             period: get(id::PERIOD_US, 0) * 1e-6,
             count: get(id::ENCODER_PM_PER_COUNT, 0) * 1e-12,
         }

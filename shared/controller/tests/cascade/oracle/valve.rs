@@ -4,6 +4,7 @@ use super::air::Air;
 use super::constants::Constants;
 use super::observers::sign_of;
 use super::spring::Spool;
+use super::stepper::Stepped;
 
 #[derive(Default)]
 pub struct Valve {
@@ -14,6 +15,7 @@ pub struct Valve {
     first: f64,
     pub mean: f64,
     spool: Spool,
+    stepped: Stepped,
 }
 
 /// Where the spool has to be; `least`: a rate that is not worth a move.
@@ -48,12 +50,18 @@ impl Valve {
         if let Some(spring) = &c.spring {
             self.spool.sense(spring, raw);
             self.mean = self.spool.mean;
+        } else if let Some(stepper) = &c.stepper {
+            self.stepped.sense(c, stepper, raw);
+            self.mean = self.stepped.mean;
         }
     }
 
     pub fn drive(&mut self, c: &Constants, pace: f64, wanted: f64) -> i16 {
         if let Some(spring) = &c.spring {
             return self.spool.drive(c, spring, wanted);
+        }
+        if let Some(stepper) = &c.stepper {
+            return self.stepped.drive(stepper, wanted);
         }
         self.first = self.through_play(c);
         self.move_spool(c.to_output, pace);

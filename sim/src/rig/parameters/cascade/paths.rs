@@ -15,9 +15,9 @@
 use crate::component::air::GasState;
 use crate::component::gas::Gas;
 use crate::component::supply;
+use crate::component::valve::Valve;
 use crate::component::valve::flow_law::FlowLaw;
 use crate::component::valve::iso6358::{Iso6358, REFERENCE_DENSITY, REFERENCE_TEMPERATURE};
-use crate::component::valve::{Valve, spool_travel};
 use crate::keys;
 use crate::network::{Network, PortFlow};
 use crate::values::Rig;
@@ -26,13 +26,15 @@ use crate::values::Rig;
 const EMPTY: f64 = 1.05;
 const FULL: f64 = 0.98;
 const PRESSURES: u32 = 13;
-/// Places of the spool, parts of its travel.
+/// Places of the spool, parts of how far it goes.
 const PLACES: [f64; 7] = [0.01, 0.03, 0.07, 0.15, 0.3, 0.6, 1.0];
 /// The part of a flow that leaks by the other land of its port, above which nothing is learned of it.
 const LEAK: f64 = 0.15;
 /// Critical ratios that are tried: from 0 on in such steps.
 const RATIOS: u32 = 17;
 const RATIO: f64 = 0.05;
+/// The middle of the pressures, a part of the supply.
+const MIDDLE: f64 = 0.6;
 /// Widths of the port that are tried: from its bore on by such a factor.
 const PORTS: u32 = 12;
 const PORT: f64 = 1.15;
@@ -46,6 +48,8 @@ pub(super) struct Paths {
     pub tubes: Option<[Tubes; 2]>,
     /// What the tubes leave of the flow out of a chamber at three fifths of the supply.
     pub kept: f64,
+    /// By which that of lands is known.
+    fits: Option<[Fit; 2]>,
 }
 
 /// A land before a port, m.
@@ -99,23 +103,24 @@ struct Fit {
 }
 
 impl Paths {
-    pub(super) fn of(rig: &Rig) -> Paths {
+    /// `reach`: how far the spool goes to either side, m.
+    pub(super) fn of(rig: &Rig, reach: f64) -> Paths {
         let model = rig.get(&keys::valve::MODEL);
         if !model.facts().has_areas() {
             let open = model.laws(rig).map(|law| match law {
                 FlowLaw::Iso6358(path) => path,
                 _ => Iso6358 { sonic_conductance: 0.0, critical_ratio: 0.0, subsonic_index: 0.5 },
             });
-            return Paths { open, land: None, tubes: None, kept: 1.0 };
+            return Paths { open, land: None, tubes: None, kept: 1.0, fits: None };
         }
-        let fits = fits(rig);
+        let fits = fits(rig, reach);
         let valve = Valve::of(rig);
         let land = Land { port: fits[0].port, clearance: clearance(&valve) };
-        let height = (spool_travel(rig) - valve.lap).hypot(land.clearance);
+        let height = (reach - valve.lap).hypot(land.clearance);
         let temperature = rig.get(&keys::supply::TEMPERATURE_K);
         let at_reference = REFERENCE_DENSITY * (REFERENCE_TEMPERATURE / temperature).sqrt();
         let [_, out] = &fits;
-        let middle = 0.6 * out.ends[0];
+        let middle = MIDDLE * out.ends[0];
         Paths {
             open: fits.map(|fit| Iso6358 {
                 sonic_conductance: fit.open(height) / at_reference,
@@ -125,7 +130,18 @@ impl Paths {
             land: Some(land),
             tubes: Some(fits.map(|fit| fit.tubes(height))),
             kept: out.flow(height, middle) / (out.open(height) * out.phi(middle)),
+            fits: Some(fits),
         }
+    }
+
+    /// What a spool at z (m) lets through more than at its null, from the supply and to the exhaust, kg/s: chambers at three fifths of
+    /// the supply. Nothing of a valve without lands.
+    pub(super) fn more(&self, z: f64) -> [f64; 2] {
+        let Some((fits, land)) = self.fits.zip(self.land) else { return [0.0; 2] };
+        fits.map(|fit| {
+            let at = |height: f64| fit.flow(height, MIDDLE * fit.ends[0]);
+            at(z.hypot(land.clearance)) - at(land.clearance)
+        })
     }
 }
 
@@ -134,8 +150,8 @@ fn clearance(valve: &Valve) -> f64 {
 }
 
 /// Both paths, with the port that they share.
-fn fits(rig: &Rig) -> [Fit; 2] {
-    let [into, out] = flows(rig);
+fn fits(rig: &Rig, reach: f64) -> [Fit; 2] {
+    let [into, out] = flows(rig, reach);
     let ends = [rig.get(&keys::supply::PRESSURE_PA), rig.get(&keys::exhaust::PRESSURE_PA)];
     let with = |port: f64| {
         [(Way::In, &into), (Way::Out, &out)].map(|(way, flows)| Fit::best(way, ends, flows, port))
@@ -149,13 +165,13 @@ fn fits(rig: &Rig) -> [Fit; 2] {
 }
 
 /// Flows of the simulated valve into and out of chambers.
-fn flows(rig: &Rig) -> [Vec<Flow>; 2] {
+fn flows(rig: &Rig, reach: f64) -> [Vec<Flow>; 2] {
     let (gas, valve) = (Gas::of(rig), Valve::of(rig));
     let temperature = supply::station(rig, &gas).temperature;
     let [supply, exhaust] = [&keys::supply::PRESSURE_PA, &keys::exhaust::PRESSURE_PA].map(|key| rig.get(key));
     let mut flows = [Vec::new(), Vec::new()];
     for part in PLACES {
-        let z = part * (valve.travel - valve.lap);
+        let z = part * (reach - valve.lap);
         let height = z.hypot(clearance(&valve));
         for i in 0..PRESSURES {
             let along = f64::from(i) / f64::from(PRESSURES - 1);
@@ -274,9 +290,9 @@ mod tests {
     /// The law's equation beside the flows of the simulated valve.
     #[test]
     fn the_equation_of_a_path_is_the_flow_of_the_thesis_s_valve_with_its_tubes() {
-        for name in ["servo-b", "servo-c"] {
+        for (name, reach) in [("servo-a", 0.5e-3), ("servo-b", 1e-3), ("servo-c", 1e-3)] {
             let rig = Rig::builtin(name).expect("there");
-            for (fit, flows) in fits(&rig).iter().zip(flows(&rig)) {
+            for (fit, flows) in fits(&rig, reach).iter().zip(flows(&rig, reach)) {
                 let errors = flows.iter().map(|flow| fit.flow(flow.height, flow.pressure) / flow.flow - 1.0);
                 let worst = errors.map(f64::abs).fold(0.0, f64::max);
                 assert!(worst < 0.06 && worst > 0.03, "{name}: {worst} of {fit:?}");

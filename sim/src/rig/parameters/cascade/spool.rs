@@ -16,6 +16,8 @@ use crate::component::valve::spool_travel;
 use crate::keys;
 use crate::values::Rig;
 
+/// Counts to either side.
+const COUNTS: f64 = 2048.0;
 /// How much faster than it is the law makes a spool that is not measured: 3/2 in its equation.
 const BOOST: f64 = 1.5;
 /// Samples that a measured spool takes: two of its deadbeat, and what its friction and the reach of the coil cost.
@@ -27,74 +29,112 @@ const MEASURED_FLOW: f64 = 0.6;
 type Phi = [[f64; 2]; 2];
 
 pub(super) struct Spool {
-    oscillator: Oscillator,
-    measured: Option<Measured>,
+    kind: Kind,
     period: f64,
     delay: f64,
+    /// How far it goes to either side, m: what 2048 counts, or the farthest step, ask for.
+    pub reach: f64,
     /// Travel of the spool by a count, m, and of the command that the amplifier passes on.
     count: f64,
     of_command: f64,
 }
 
+/// What moves it.
+enum Kind {
+    /// An oscillator follows the command.
+    Follows(Oscillator),
+    /// A coil against a spring, and a sensor shows it.
+    Measured(Measured),
+    /// A stepper, a step of so many m a sample.
+    Stepped { step: f64 },
+}
+
 /// What the law knows of a spool that is measured, m.
 struct Measured {
+    oscillator: Oscillator,
     stiction: f64,
     friction: f64,
 }
 
 impl Spool {
     pub(super) fn of(rig: &Rig) -> Spool {
-        use keys::{empirical, solenoid};
-        let of_command = spool_travel(rig) / 2048.0 * rig.get(&keys::amplifier::AMPLIFIER_GAIN);
+        use keys::{empirical, solenoid, stepper};
         let [period, delay] =
             [&keys::controller::PERIOD_S, &keys::controller::DELAY_S].map(|key| rig.get(key));
-        if rig.get(&keys::operator::MODEL) != OperatorKind::Solenoid {
-            let oscillator = Oscillator {
-                stiffness_per_mass: rig.get(&empirical::STIFFNESS_PER_MASS_PER_S2),
-                damping_per_mass: rig.get(&empirical::DAMPING_PER_S),
-            };
-            return Spool { oscillator, measured: None, period, delay, count: of_command, of_command };
+        let reach = spool_travel(rig);
+        let of_command = reach / COUNTS * rig.get(&keys::amplifier::AMPLIFIER_GAIN);
+        let spool = |kind, count| Spool { kind, period, delay, reach, count, of_command };
+        match rig.get(&keys::operator::MODEL) {
+            OperatorKind::Stepper => {
+                let step = 1e-3 * rig.get(&stepper::MM_PER_STEP);
+                let reach = step * rig.get(&stepper::MAX_STEPS) as f64;
+                Spool { reach, ..spool(Kind::Stepped { step }, reach / COUNTS) }
+            }
+            OperatorKind::Solenoid => {
+                let mass = rig.get(&solenoid::SPOOL_MASS_KG);
+                let spring = 1e3 * rig.get(&solenoid::SPRING_N_PER_MM);
+                let oscillator = Oscillator {
+                    stiffness_per_mass: spring / mass,
+                    damping_per_mass: rig.get(&solenoid::DAMPING_N_S_PER_M) / mass,
+                };
+                let measured = Measured {
+                    oscillator,
+                    stiction: rig.get(&solenoid::STATIC_FRICTION_N) / spring,
+                    friction: rig.get(&solenoid::COULOMB_FRICTION_N) / spring,
+                };
+                let count = of_command * 1e3 * rig.get(&solenoid::FORCE_GAIN_N_PER_MM) / spring;
+                spool(Kind::Measured(measured), count)
+            }
+            _ => {
+                let oscillator = Oscillator {
+                    stiffness_per_mass: rig.get(&empirical::STIFFNESS_PER_MASS_PER_S2),
+                    damping_per_mass: rig.get(&empirical::DAMPING_PER_S),
+                };
+                spool(Kind::Follows(oscillator), of_command)
+            }
         }
-        let mass = rig.get(&solenoid::SPOOL_MASS_KG);
-        let spring = 1e3 * rig.get(&solenoid::SPRING_N_PER_MM);
-        let oscillator = Oscillator {
-            stiffness_per_mass: spring / mass,
-            damping_per_mass: rig.get(&solenoid::DAMPING_N_S_PER_M) / mass,
-        };
-        let measured = Measured {
-            stiction: rig.get(&solenoid::STATIC_FRICTION_N) / spring,
-            friction: rig.get(&solenoid::COULOMB_FRICTION_N) / spring,
-        };
-        let count = of_command * 1e3 * rig.get(&solenoid::FORCE_GAIN_N_PER_MM) / spring;
-        Spool { oscillator, measured: Some(measured), period, delay, count, of_command }
     }
 
-    /// From a command to the spool, s: 2 z/w.
-    fn lag(&self) -> f64 {
-        self.oscillator.damping_per_mass / self.oscillator.stiffness_per_mass
-    }
-
-    /// The part of tau that is the spool's, s.
-    pub(super) fn dead_time(&self) -> f64 {
-        if self.measured.is_some() { MEASURED_LAG * self.period } else { self.lag() / BOOST }
+    /// The part of tau that is the spool's, s; `opened`: in how many steps a stepper opens the valve, a step's length (m) given.
+    pub(super) fn dead_time(&self, opened: impl Fn(f64) -> i64) -> f64 {
+        match &self.kind {
+            Kind::Follows(oscillator) => lag(oscillator) / BOOST,
+            Kind::Measured(_) => MEASURED_LAG * self.period,
+            Kind::Stepped { step } => 0.5 * opened(*step) as f64 * self.period,
+        }
     }
 
     /// The part of the flow for the jerk of a way, over the usual one.
     pub(super) fn flow(&self) -> f64 {
-        if self.measured.is_some() { MEASURED_FLOW } else { 1.0 }
-    }
-
-    fn phi(&self, time: f64) -> Phi {
-        let [[place, speed], [pull, coast]] = self.oscillator.transition(time);
-        [[place, speed / self.period], [pull * self.period, coast]]
+        match self.kind {
+            Kind::Measured(_) => MEASURED_FLOW,
+            Kind::Follows(_) | Kind::Stepped { .. } => 1.0,
+        }
     }
 
     pub(super) fn values(&self, rig: &Rig) -> Vec<(u16, i32)> {
         let lap = rig.get(&keys::valve::UNDERLAP_MM) * 1e-3;
-        let play = rig.get(&keys::hysteresis::HYSTERESIS_PERCENT) / 100.0 * spool_travel(rig);
-        let [output, sample] = [self.delay, self.period - self.delay].map(|time| self.phi(time));
-        let lag = if self.measured.is_some() { 0.0 } else { self.lag() };
-        let mut values = vec![
+        let values = vec![
+            (id::CASCADE_OUTPUT_SHARE, fixed(self.delay / self.period, 16)),
+            (id::CASCADE_OVERLAP, self.counts(lap)),
+            (id::CASCADE_SPAN, self.counts(self.reach - lap)),
+        ];
+        let own = match &self.kind {
+            Kind::Follows(oscillator) => self.of_oscillator(rig, oscillator, lag(oscillator)),
+            Kind::Measured(measured) => {
+                [self.of_oscillator(rig, &measured.oscillator, 0.0), self.of_measured(rig, measured)].concat()
+            }
+            Kind::Stepped { .. } => vec![(id::CASCADE_SPOOL_LAG, 0)],
+        };
+        [values, own].concat()
+    }
+
+    /// Of a solenoid, with its play.
+    fn of_oscillator(&self, rig: &Rig, oscillator: &Oscillator, lag: f64) -> Vec<(u16, i32)> {
+        let play = rig.get(&keys::hysteresis::HYSTERESIS_PERCENT) / 100.0 * self.reach;
+        let [output, sample] =
+            [self.delay, self.period - self.delay].map(|time| phi(oscillator, time, self.period));
+        vec![
             (id::CASCADE_SPOOL_OUTPUT_PLACE, fixed(output[0][0], 30)),
             (id::CASCADE_SPOOL_OUTPUT_SPEED, fixed(output[0][1], 30)),
             (id::CASCADE_SPOOL_OUTPUT_PULL, fixed(output[1][0], 28)),
@@ -104,15 +144,8 @@ impl Spool {
             (id::CASCADE_SPOOL_SAMPLE_PULL, fixed(sample[1][0], 28)),
             (id::CASCADE_SPOOL_SAMPLE_COAST, fixed(sample[1][1], 30)),
             (id::CASCADE_SPOOL_LAG, fixed(lag / self.period, 16)),
-            (id::CASCADE_OUTPUT_SHARE, fixed(self.delay / self.period, 16)),
-            (id::CASCADE_OVERLAP, fixed(lap / self.count, 16)),
-            (id::CASCADE_SPAN, fixed((spool_travel(rig) - lap) / self.count, 16)),
             (id::CASCADE_PLAY, fixed(play / self.of_command, 16)),
-        ];
-        if let Some(measured) = &self.measured {
-            values.extend(self.of_measured(rig, measured));
-        }
-        values
+        ]
     }
 
     fn of_measured(&self, rig: &Rig, measured: &Measured) -> Vec<(u16, i32)> {
@@ -120,7 +153,7 @@ impl Spool {
         let [low, high] =
             [&keys::sensors::SPOOL_MIN_MM, &keys::sensors::SPOOL_MAX_MM].map(|key| 1e-3 * rig.get(key));
         let full = f64::from((1_u32 << rig.get(&keys::sensors::BITS)) - 1);
-        let [first, second] = deadbeat(&self.phi(self.period));
+        let [first, second] = deadbeat(&phi(&measured.oscillator, self.period, self.period));
         vec![
             (id::CASCADE_SPOOL_OFFSET, counts(low, 16)),
             (id::CASCADE_SPOOL_GAIN, counts((high - low) / full, 24)),
@@ -133,10 +166,21 @@ impl Spool {
         ]
     }
 
-    /// The land before a port, in counts.
+    /// A length of spool, in counts.
     pub(super) fn counts(&self, metres: f64) -> i32 {
         fixed(metres / self.count, 16)
     }
+}
+
+/// From a command to the spool, s: 2 z/w.
+fn lag(oscillator: &Oscillator) -> f64 {
+    oscillator.damping_per_mass / oscillator.stiffness_per_mass
+}
+
+/// Over a time, for speeds in a period.
+fn phi(oscillator: &Oscillator, time: f64, period: f64) -> Phi {
+    let [[place, speed], [pull, coast]] = oscillator.transition(time);
+    [[place, speed / period], [pull * period, coast]]
 }
 
 fn turned(phi: &Phi, [place, speed]: [f64; 2]) -> [f64; 2] {
@@ -165,9 +209,7 @@ mod tests {
     #[test]
     fn two_samples_bring_a_spool_to_a_place_and_stop_it() {
         let oscillator = Oscillator { stiffness_per_mass: 1.087e6, damping_per_mass: 100.0 };
-        let spool =
-            Spool { oscillator, measured: None, period: 5e-4, delay: 2e-4, count: 1.0, of_command: 1.0 };
-        let phi = spool.phi(5e-4);
+        let phi = phi(&oscillator, 5e-4, 5e-4);
         let [first, second] = deadbeat(&phi);
         for (way, speed) in [(1.0, 0.0), (0.0, 3.0), (-40.0, 12.0)] {
             let rests = [first, second].map(|[by_way, by_speed]| by_way * way + by_speed * speed);
