@@ -138,10 +138,11 @@ fn on_recorded_samples_it_commands_what_it_did() {
 
 /// The integers beside the equations in real numbers on the same samples: place (counts), speed (counts a sample), standing force (of
 /// the supply's), mass, friction, lag of the valve (parts). Commands are alike but where a threshold falls to the other side. On bristles
-/// that happens in most turns and changes what follows, so its record is not among them.
+/// that happens in most turns and changes what follows, and a stepper's spool carries on what it owes: a step that is worth it on one
+/// side alone changes the steps behind it. Their records are not among them; the stepper has its own test beside its code.
 #[test]
 fn the_integers_are_the_equations() {
-    for (name, text) in RECORDS.into_iter().filter(|(name, _)| *name != "bristles") {
+    for (name, text) in RECORDS.into_iter().filter(|(name, _)| !["bristles", "stepper"].contains(name)) {
         let record = Record::read(text);
         let (mut bench, mut oracle) = (record.bench(), Oracle::of(&record.parameters));
         let (mut worst, mut unlike) = ([0.0_f64; 6], 0);
@@ -160,8 +161,7 @@ fn the_integers_are_the_equations() {
             for (worst, difference) in worst.iter_mut().zip(differences) {
                 *worst = worst.max(difference.abs());
             }
-            let nearly = if bench.config.drive.is_stepper() { 0 } else { 3 };
-            unlike += u32::from((command - exact).abs() > nearly);
+            unlike += u32::from((command - exact).abs() > 3);
             oracle.commanded(command);
         }
         let bounds = [1e-3, 1e-3, 1e-4, 2e-4, 2e-4, 1e-3];

@@ -80,3 +80,64 @@ impl Stepped {
         within(self.steps.saturating_add(step), constants.farthest)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A spool that follows places drawn at random, some of them for many samples, beside the equations in real numbers, which take
+    /// over what is owed at each sample: the step is the same but where 0.6 of a step falls to the other side by the rounding.
+    #[test]
+    fn each_step_is_that_of_the_equations() {
+        let mut random = 1_u32;
+        let mut draw = |below: u32| {
+            random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (random >> 8) % below
+        };
+        for farthest in [1, 20, 40, 400] {
+            let step = MOST / farthest;
+            let share = 39_322;
+            let constants = Constants { farthest, step, worth: product(step, WORTH, 16), share };
+            let real = |value: i32| f64::from(value) / f64::from(step);
+            let (mut spool, mut place, mut wanted, mut unlike) = (Stepped::default(), 0, 0, 0);
+            for _ in 0..20_000 {
+                if draw(8) == 0 {
+                    wanted = draw(2 * MOST as u32) as i32 - MOST;
+                }
+                let before = if spool.begun { f64::from(spool.steps) } else { f64::from(place) };
+                spool.sense(&constants, place as i16, 0);
+                let mean = 0.6 * before + 0.4 * f64::from(place);
+                assert!((real(spool.mean) - mean).abs() < 1e-3, "{} of {mean}", real(spool.mean));
+                let owed = (real(spool.owed) + 0.5 * (real(spool.wanted) - mean)).clamp(-1.0, 1.0);
+                let away = real(wanted) + owed - f64::from(place);
+                let exact = if away.abs() > 0.6 { place + away.signum() as i32 } else { place };
+                place = spool.drive(&constants, wanted);
+                assert!((real(spool.owed) - owed).abs() < 1e-3, "{} of {owed}", real(spool.owed));
+                let is_close = (away.abs() - 0.6).abs() < 2e-3;
+                assert!(
+                    place == exact.clamp(-farthest, farthest) || is_close,
+                    "{place} of {exact}, {away} away"
+                );
+                unlike += u32::from(place != exact.clamp(-farthest, farthest));
+                assert!(place.abs() <= farthest);
+            }
+            assert!(unlike < 100, "{unlike} of 20,000");
+        }
+    }
+
+    #[test]
+    fn a_spool_in_the_mean_of_two_steps_is_what_its_place_asks_for() {
+        let farthest = 40;
+        let step = MOST / farthest;
+        let constants = Constants { farthest, step, worth: product(step, WORTH, 16), share: 0 };
+        for wanted in [0.3, 1.5, -7.25, 20.5] {
+            let (mut spool, mut place, mut sum) = (Stepped::default(), 0, 0);
+            for k in 0..2040 {
+                spool.sense(&constants, place as i16, 0);
+                place = spool.drive(&constants, (wanted * f64::from(step)) as i32);
+                sum += if k < 40 { 0 } else { place };
+            }
+            assert!((f64::from(sum) / 2000.0 - wanted).abs() < 0.02, "{wanted}: {sum}");
+        }
+    }
+}
