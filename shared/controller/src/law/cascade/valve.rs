@@ -45,8 +45,14 @@ pub struct Constants {
     output: Transition,
     sample: Transition,
     land: Option<Land>,
-    spring: Option<spring::Constants>,
-    stepper: Option<stepper::Constants>,
+    seen: Option<Seen>,
+}
+
+/// A spool whose place is known, by a sensor or by its steps.
+#[derive(Clone, Debug, PartialEq, Eq)]
+enum Seen {
+    Spring(spring::Constants),
+    Stepper(stepper::Constants),
 }
 
 /// Where the spool is.
@@ -84,8 +90,9 @@ impl Constants {
             output: Transition::of(parameters, id::CASCADE_SPOOL_OUTPUT_PLACE),
             sample: Transition::of(parameters, id::CASCADE_SPOOL_SAMPLE_PLACE),
             land,
-            spring: spring::Constants::of(parameters),
-            stepper: stepper::Constants::of(parameters),
+            seen: spring::Constants::of(parameters)
+                .map(Seen::Spring)
+                .or_else(|| stepper::Constants::of(parameters).map(Seen::Stepper)),
         }
     }
 
@@ -168,22 +175,25 @@ impl Valve {
     /// Takes a spool that is measured or stepped, if the drive has one; `null`: the command at which the valve is at its null, counts.
     #[inline(always)]
     pub(super) fn sense(&mut self, constants: &Constants, raw: i16, null: i32) {
-        if let Some(spring) = &constants.spring {
-            self.spool.sense(spring, raw, null);
-            self.mean = self.spool.mean;
-        } else if let Some(stepper) = &constants.stepper {
-            self.stepped.sense(stepper, raw, null);
-            self.mean = self.stepped.mean;
+        match &constants.seen {
+            Some(Seen::Spring(spring)) => {
+                self.spool.sense(spring, raw, null);
+                self.mean = self.spool.mean;
+            }
+            Some(Seen::Stepper(stepper)) => {
+                self.stepped.sense(stepper, raw, null);
+                self.mean = self.stepped.mean;
+            }
+            None => {}
         }
     }
 
     /// The command that brings the spool to a place (Q16), in counts.
     pub(super) fn drive(&mut self, constants: &Constants, by_pace: i32, wanted: i32) -> i32 {
-        if let Some(spring) = &constants.spring {
-            return self.spool.drive(spring, wanted);
-        }
-        if let Some(stepper) = &constants.stepper {
-            return self.stepped.drive(stepper, wanted);
+        match &constants.seen {
+            Some(Seen::Spring(spring)) => return self.spool.drive(spring, wanted),
+            Some(Seen::Stepper(stepper)) => return self.stepped.drive(stepper, wanted),
+            None => {}
         }
         let first = self.through_play(constants.play);
         self.go_on(constants.output, by_pace);
