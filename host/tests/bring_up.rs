@@ -391,6 +391,8 @@ fn the_command_reports_to_a_file_and_as_json_and_its_exit_code_says_whether_all_
         "{report}"
     );
 
+    // A hand that is not asked for would move a slide that is to rest.
+    wiring.push_no_more();
     wiring.spoil(WiringFault::PressuresSwapped);
     let printed = call("--push-wait 0 --json");
     assert!(printed.ends_with("= 1") && printed.contains("! error: wrong: pulses; "), "{printed}");

@@ -326,6 +326,13 @@ fn a_drive_with_an_ordinary_gauge_is_armed() {
     let rig = virtual_rig_of(pneudrive_sim::Rig::read("lift.toml", &text).expect("valid"));
     let armed = transcript(folder.path(), &format!("device --port {} arm", rig.port()));
     assert!(armed.ends_with("= 0"), "{armed}");
+    // Of one that ends at the supply nothing tells an open wire.
+    let short = text.replace("pressure_max_pa = 1", "pressure_max_pa = 750000 # 1");
+    fs::write(folder.path().join("short.toml"), short).expect("written");
+    let checked = transcript(folder.path(), "rig check short.toml --quick");
+    assert!(checked.contains("is not armed without `--without sensor-range`"), "{checked}");
+    assert!(checked.contains("(sensors.pressure_max_pa) is watched"), "{checked}");
+    assert!(!transcript(folder.path(), "rig check lift.toml --quick").contains("--without"));
 }
 
 /// A drive that holds a load, armed without a check by who knows why; the next who moves it does not.

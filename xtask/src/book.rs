@@ -107,6 +107,10 @@ fn gather(sources: &Path) -> Result<()> {
     // Its links lead from docs; mdBook reads it at the top.
     let summary = summary.replace("](", "](docs/").replace("](docs/../", "](");
     fs::write(sources.join("SUMMARY.md"), summary)?;
+    // In the book the contents are a page of mdBook's.
+    let readme =
+        fs::read_to_string(sources.join("README.md"))?.replace(&format!("]({SUMMARY})"), "](toc.html)");
+    fs::write(sources.join("README.md"), readme)?;
     fs::write(sources.join("book.toml"), CONFIG)?;
     Ok(())
 }

@@ -78,7 +78,7 @@ def test_without_gymnasium_it_says_what_to_install(monkeypatch: pytest.MonkeyPat
 
 
 def test_the_training_of_the_documentation_learns() -> None:
-    page = (ROOT / "docs" / "python.md").read_text()
+    page = (ROOT / "docs" / "howto" / "python.md").read_text()
     block = re.search(r"```python\n(import gymnasium.*?)```", page, re.DOTALL)
     assert block is not None
     names: dict[str, Any] = {}

@@ -138,6 +138,11 @@ impl Wiring {
     pub fn push_again_and_again(&self) {
         self.with(|shared| shared.pushes = Pushes::AgainAndAgain);
     }
+
+    /// The hand begins no other push.
+    pub fn push_no_more(&self) {
+        self.with(|shared| shared.pushes = Pushes::Never);
+    }
 }
 
 /// The signals that board and drive exchange over these wires.

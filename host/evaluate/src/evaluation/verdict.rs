@@ -112,7 +112,7 @@ fn rests(moves: &[InRuns]) -> Option<String> {
     let place = place(ends);
     Some(match (is_at_rest, is_steady, swings) {
         (true, ..) => format!("rests {place}"),
-        (_, true, true) => format!("ends {place}"),
+        (_, true, true) => format!("ends on average {place}"),
         (_, true, false) => format!("ends {place}, watched too briefly to say that it rests"),
         _ => format!("still moves at the end, on average {place}"),
     })

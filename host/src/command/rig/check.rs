@@ -1,10 +1,13 @@
 //! `pneudrive rig check`.
 
 use anyhow::{Result, anyhow};
+use pneudrive_controller::Fault;
+use pneudrive_controller::config::unwatched;
 use pneudrive_design::breakaway::Breakaway;
 use pneudrive_design::values;
 use pneudrive_optimise::runnable::{Obstacle, Remedy, obstacle};
 use pneudrive_optimise::sensitivity::{Effect, Sensitivity, sensitivity};
+use pneudrive_records::words;
 use pneudrive_sim::component::controller::{Law, Loop};
 use pneudrive_sim::component::encoder::mm_per_count;
 use pneudrive_sim::rig::Source;
@@ -28,7 +31,7 @@ pub(super) fn execute(file: &str, quick: bool) -> Result<()> {
     if is_to_run {
         try_test(file, &rig)?;
     }
-    stall_remarks(&rig).iter().for_each(|remark| say!("{file}: {remark}"));
+    stall_remarks(&rig).iter().chain(&unwatched_remarks(&rig)).for_each(|remark| say!("{file}: {remark}"));
     say!("{file}: a valid rig ({})", rig.name());
     say!("{file}: {}", moves(&rig));
     json::figures(|| json!({ "rig": rig.name(), "unused": rig.unused(), "moves": places(&rig) }));
@@ -92,6 +95,21 @@ fn stall_remarks(rig: &Rig) -> Vec<String> {
         ));
     }
     remarks
+}
+
+/// The checks that the rig leaves off, for which its drive is armed only by who asks for that.
+fn unwatched_remarks(rig: &Rig) -> Vec<String> {
+    let remark = |check: Fault| {
+        let name = words::fault_name(check);
+        let why = match check {
+            Fault::SensorRange if rig.get(&keys::safety::SENSOR_WATCH) => {
+                ": the drive can have each pressure of its sensors' range; one that ends above the supply (sensors.pressure_max_pa) is watched"
+            }
+            _ => "",
+        };
+        format!("its drive is not armed without `--without {name}`, as it would never trip with {name}{why}")
+    };
+    unwatched(&rig.parameters()).map(remark).collect()
 }
 
 /// Refuses a rig whose test cannot be simulated.
