@@ -6,11 +6,15 @@ mod record;
 
 use crate::bench::{ControllerBench, WIDE};
 use oracle::Oracle;
+use pneudrive_controller::Mode;
 use pneudrive_controller::law::cascade::Cascade;
 use pneudrive_controller::law::{Law, Running};
 use pneudrive_controller::parameters::{TABLE, id};
 use pneudrive_controller::{Config, Move, Sample, Sequence, State};
 use record::{RECORDS, Record};
+
+/// Positions within this change by less than the largest step of an encoder.
+const FAR: i32 = 1 << 30;
 
 /// Numbers that look random and are the same everywhere (xorshift).
 struct Draws(u64);
@@ -37,12 +41,13 @@ impl Draws {
     fn sample(&mut self, before: Sample) -> Sample {
         let step = self.within(-1 << 20, 1 << 20) >> (self.next() % 32);
         let position = match self.next() % 50 {
-            0 => self.within(i32::MIN, i32::MAX),
-            _ => before.position.wrapping_add(step),
+            0 => self.within(-FAR, FAR),
+            _ => before.position.saturating_add(step).clamp(-FAR, FAR),
         };
         let mut raw = |before: i16| match self.next() % 20 {
-            0 => self.within(i16::MIN.into(), i16::MAX.into()) as i16,
-            _ => before.wrapping_add((self.next() % 9) as i16 - 4),
+            // One below 0 is that of a converter which does not answer, and ends the run.
+            0 => self.within(0, i32::from(i16::MAX) - 1) as i16,
+            _ => before.saturating_add((self.next() % 9) as i16 - 4).clamp(0, i16::MAX - 1),
         };
         Sample {
             position,
@@ -72,6 +77,7 @@ fn keeps_its_bounds(law: &Cascade) -> bool {
 #[test]
 fn no_model_and_no_samples_make_it_overflow_or_leave_its_bounds() {
     let mut draws = Draws(0x9e37_79b9_7f4a_7c15);
+    let mut taken = 0;
     for _ in 0..400 {
         let mut changes = WIDE.to_vec();
         changes.extend([(id::LAW, Law::Cascade as i32), (id::SENSOR_HIGH_RAW, 32_767)]);
@@ -98,8 +104,11 @@ fn no_model_and_no_samples_make_it_overflow_or_leave_its_bounds() {
             bench.take(sample);
             assert!(keeps_its_bounds(law(&bench.state)), "{:?}", law(&bench.state).load());
             sample = draws.sample(sample);
+            taken += u32::from(bench.state.supervisor.mode() == Mode::Running);
         }
     }
+    // A drive that has tripped shows nothing of its law.
+    assert!(taken > 400 * 300 / 2, "the law took {taken} samples");
 }
 
 #[test]
