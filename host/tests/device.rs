@@ -331,7 +331,7 @@ fn a_drive_with_an_ordinary_gauge_is_armed() {
     fs::write(folder.path().join("short.toml"), short).expect("written");
     let checked = transcript(folder.path(), "rig check short.toml --quick");
     assert!(checked.contains("is not armed without `--without sensor-range`"), "{checked}");
-    assert!(checked.contains("(sensors.pressure_max_pa) is watched"), "{checked}");
+    assert!(checked.contains("are watched (sensors.pressure_max_pa)"), "{checked}");
     assert!(!transcript(folder.path(), "rig check lift.toml --quick").contains("--without"));
 }
 

@@ -2,6 +2,7 @@
 //! docs/reference with its name.
 
 use clap::Command;
+use pneudrive_sim::key::{Kind, Tables};
 use pneudrive_sim::rig::{Key, all_keys, preset_in_words, range_in_words, thesis};
 
 /// The pages: name of the file, and its text.
@@ -25,7 +26,7 @@ fn commands(above: &Command, typed: &str, level: usize) -> String {
     above.get_subcommands().filter(|command| !command.is_hide_set()).map(of).collect()
 }
 
-/// The keys of a rig file, a section for each table.
+/// The keys of a rig file, a section for each table, and for each list of tables.
 fn keys() -> String {
     let mut tables: Vec<&str> = Vec::new();
     for key in all_keys() {
@@ -35,19 +36,28 @@ fn keys() -> String {
     }
     let section = |table: &str| {
         let heading = if table.is_empty() { "Without a table".to_owned() } else { format!("`[{table}]`") };
-        let rows: String = all_keys().filter(|key| key.table() == table).map(row).collect();
+        let rows: String =
+            all_keys().filter(|key| key.table() == table).map(|key| row(key.name(), key)).collect();
         format!("## {heading}\n\n{HEAD}{rows}\n")
     };
-    tables.into_iter().map(section).collect()
+    let of_entries = |list: &Tables| {
+        let inside =
+            |key: &Key| key.path.strip_prefix(list.path).map(|name| row(name.trim_start_matches('.'), key));
+        let rows: String = list.fields.iter().filter_map(inside).collect();
+        format!("## `[[{}]]`\n\n{HEAD}{rows}\n", list.path)
+    };
+    let lists =
+        all_keys().filter_map(|key| if let Kind::Tables(list) = key.kind { Some(list) } else { None });
+    tables.into_iter().map(section).chain(lists.map(of_entries)).collect()
 }
 
 const HEAD: &str = "| key | range | default | in the thesis | meaning |\n|---|---|---|---|---|\n";
 
-fn row(key: &Key) -> String {
+fn row(name: &str, key: &Key) -> String {
     let range = [range_in_words(&key.kind).as_str(), key.unit()].join(" ");
     let cells = [range.trim(), &preset_in_words(&key.preset), key.thesis, key.meaning];
     let cells = cells.map(|cell| cell.replace('|', "\\|"));
-    format!("| `{}` | {} |\n", key.name(), cells.join(" | "))
+    format!("| `{name}` | {} |\n", cells.join(" | "))
 }
 
 #[cfg(test)]
@@ -86,6 +96,8 @@ mod tests {
             let (section, again) = (sections.next().expect("a section"), sections.next());
             assert!(again.is_none() && section.contains(&format!("| `{}` |", key.name())), "{}", key.path);
         }
+        let entries = page.split("## `[[faults.event]]`").nth(1).expect("a section");
+        assert!(entries.contains("| `kind` |") && entries.contains("| `at_s` |"), "{entries:.300}");
         let columns: BTreeSet<usize> = page
             .lines()
             .filter(|line| line.starts_with('|'))

@@ -103,7 +103,7 @@ fn unwatched_remarks(rig: &Rig) -> Vec<String> {
         let name = words::fault_name(check);
         let why = match check {
             Fault::SensorRange if rig.get(&keys::safety::SENSOR_WATCH) => {
-                ": the drive can have each pressure of its sensors' range; one that ends above the supply (sensors.pressure_max_pa) is watched"
+                ": the drive can have each pressure in the range of its sensors; those whose range ends above the supply are watched (sensors.pressure_max_pa)"
             }
             _ => "",
         };
