@@ -34,6 +34,20 @@ pub struct Followed {
 /// computed from these samples. There are as many readings as commands. They are true values, without the errors of
 /// the sensors' scales.
 ///
+/// ```
+/// use pneudrive_sim::follow::{Timing, follow};
+/// use pneudrive_sim::{Accuracy, Rig, run};
+///
+/// // The commands of a run lead its own plant along the same way.
+/// let rig = Rig::builtin("servo-a").expect("a built-in rig").with_settings(&["test.duration_s=0.2"])?;
+/// let (run, timing) = (run(&rig, Accuracy::of(&rig))?, Timing { period_us: 1300, delay_us: 500 });
+/// let readings = follow(&rig, Accuracy::default(), timing, &run.commands)?;
+/// let off = run.readings.iter().zip(&readings).map(|(one, other)| (one.position - other.position).abs());
+/// assert_eq!(readings.len(), run.commands.len());
+/// assert!(off.fold(0.0, f64::max) < 1e-6);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// When the integration fails.
 pub fn follow(

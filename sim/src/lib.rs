@@ -21,6 +21,24 @@
 //! | [`convergence`] | whether a run has converged |
 //! | [`run`](mod@run), [`trace`] | the real controller on the plant, and the transient |
 //!
+//! A drive is a rig file, a run its test under the real controller:
+//!
+//! ```
+//! use pneudrive_sim::{Accuracy, Rig, check_convergence, run};
+//!
+//! let press = Rig::builtin("press").expect("a built-in rig");
+//! let rig = press.with_settings(&["load.mass_kg=12", "test.moves_mm=[[0.0, 120.0]]", "test.duration_s=1"])?;
+//! let accuracy = Accuracy::of(&rig);
+//! let run = run(&rig, accuracy)?;
+//! assert_eq!(run.fault, None);
+//! let end = run.rows.last().expect("a row a sample").plant;
+//! assert!((end.position - 0.120).abs() < 50e-6, "it stands at {} m", end.position);
+//! assert!(check_convergence(&rig, accuracy, &run)?.is_converged());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! `examples/friction_model.rs` tries a model of friction that is not the twin's.
+//!
 //! Everything is SI after loading. Transcendental functions come from `libm`, or from sums and products alone, so a
 //! run gives the same bits on every machine.
 

@@ -25,7 +25,23 @@ use crate::network::NetworkWork;
 use crate::number::Pair;
 use crate::values::{Rig, seconds};
 
-/// A simulated rig without its controller.
+/// A simulated rig without its controller: for a law of one's own, or none.
+///
+/// ```
+/// use pneudrive_controller::Command;
+/// use pneudrive_sim::{Accuracy, Plant, Rig};
+///
+/// let rig = Rig::builtin("servo-b").expect("a built-in rig");
+/// let mut plant = Plant::new(&rig, Accuracy::default(), 0);
+/// let start = plant.sample()?.position;
+/// let wide_open = Command { counts: 2048, step: 0, drive_enable: true };
+/// let mut there = start;
+/// for _ in 0..100 {
+///     there = plant.advance(wide_open)?.position;
+/// }
+/// assert!(there > start + 1000, "it extends by {} counts in 0.13 s", there - start);
+/// # Ok::<(), pneudrive_sim::IntegrationError>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Plant {
     assembly: Assembly,

@@ -309,7 +309,10 @@ fn a_plant_that_is_drawn_does_not_tell_the_law_what_it_is() {
                 .and_then(|rig| rig.with_plant(&["load.mass_kg=12".to_owned()]))
                 .expect("valid"),
         ),
-        ("with another test", known.with_plant(&heavy).and_then(|rig| rig.with_test(&[])).expect("valid")),
+        (
+            "with another test",
+            known.with_plant(&heavy).and_then(|rig| rig.with_test(&[""; 0])).expect("valid"),
+        ),
         (
             "with a friction that the law has no model of",
             known.with_plant(&settings(&["load.friction=\"lugre\""])).expect("valid"),

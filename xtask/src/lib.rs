@@ -14,6 +14,8 @@
 //! | [`web`] | the studio's page as a folder of files, with the designer as WebAssembly |
 //! | [`tools`] | ensures that the emulator and the instruction counter are there |
 //! | [`programs`] | the test programs of the workspace, run side by side |
+//! | [`examples`] | the examples for readers of the libraries, and what they print |
+//! | [`examples`] | the examples for readers of the libraries, run and compared |
 //! | [`python`] | builds, installs and tests the Python package |
 //! | [`fmu`] | has another program load the FMUs |
 //! | [`venv`] | environments of Python for tests |
@@ -34,6 +36,7 @@ pub mod deny;
 pub mod dist;
 #[cfg(test)]
 mod documents;
+pub mod examples;
 pub mod flashed;
 pub mod fmu;
 pub mod forbidden;

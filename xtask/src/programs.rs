@@ -4,7 +4,8 @@
 //! emulated  first and by themselves: an emulator and its plant wait for each other, and on a busy machine long
 //! longest   next, so that none is left over at the end
 //! others    beside them, one program a core; with more threads than cores where tests wait for processes and time-outs
-//! alone     last, one after the other: they measure what a line carries in real time
+//! alone     then, one after the other: they measure what a line carries in real time
+//! examples  last: programs for readers, of which each prints what it is known to print
 //! ```
 
 use std::num::NonZero;
@@ -18,6 +19,7 @@ use anyhow::{Context, Result, ensure};
 use pneudrive_build::cargo::{in_root, root};
 use serde::Deserialize;
 
+use crate::examples;
 use crate::tally::{Counts, Tally, failed_test};
 
 /// Programs that take longest.
@@ -56,13 +58,27 @@ struct Profile {
     test: bool,
 }
 
-/// A test program.
+/// Whether a program tests or shows something.
+#[derive(Clone, Copy)]
+enum Kind {
+    Tests,
+    Example,
+}
+
+/// A test program, or an example.
 struct Program {
-    /// Its crate's folder in the workspace and where its tests are: `host/tests/all`, `sim/src`.
+    /// Its crate's folder in the workspace and where its tests are: `host/tests/all`, `sim/src`; an example's own name.
     name: String,
     /// Its crate's folder.
     folder: PathBuf,
     executable: PathBuf,
+}
+
+/// What cargo has built.
+#[derive(Default)]
+struct Built {
+    programs: Vec<Program>,
+    examples: Vec<Program>,
 }
 
 /// What became of a program.
@@ -81,8 +97,8 @@ pub fn build() -> Result<()> {
 
 /// Compiles and runs them, and counts their tests. What a program prints is shown if a test of it fails.
 pub fn run(tally: &mut Tally) {
-    let mut programs = match tally.timed("tests, compiled", |_| built()) {
-        Ok(programs) => programs,
+    let Built { mut programs, examples } = match tally.timed("tests, compiled", |_| built()) {
+        Ok(built) => built,
         Err(error) => return tally.fail(1, format!("tests: {error:#}")),
     };
     programs.sort_by_key(|program| !is_of(&LONGEST, program));
@@ -93,33 +109,55 @@ pub fn run(tally: &mut Tally) {
     tally.timed("tests of emulated boards", |tally| run_on(tally, emulated, 1, cores));
     tally.timed("tests, side by side", |tally| run_on(tally, others, cores, cores));
     tally.timed("tests, alone", |tally| run_on(tally, alone, 1, 1));
+    for example in examples::ALL {
+        tally.check(&format!("example {}", example.name), || {
+            let built =
+                examples.iter().find(|built| built.name == example.name).context("it is not built")?;
+            example.check(&built.executable)
+        });
+    }
 }
 
 fn is_of(names: &[&str], program: &Program) -> bool {
     names.contains(&program.name.as_str())
 }
 
-fn built() -> Result<Vec<Program>> {
-    let mut build = in_root(&[&BUILD[..], &["--message-format", "json-render-diagnostics"]].concat());
+fn built() -> Result<Built> {
+    let examples = examples::ALL.iter().flat_map(|example| ["--example", example.name]);
+    let format = ["--message-format", "json-render-diagnostics"];
+    let mut build = in_root(&BUILD.into_iter().chain(examples).chain(format).collect::<Vec<&str>>());
     let output = build.stderr(Stdio::inherit()).output().context("cargo can't be started")?;
     ensure!(output.status.success(), "they do not compile");
-    String::from_utf8_lossy(&output.stdout).lines().filter_map(|line| Program::of(line).transpose()).collect()
+    let mut built = Built::default();
+    for line in String::from_utf8_lossy(&output.stdout).lines() {
+        match Program::of(line)? {
+            Some((program, Kind::Tests)) => built.programs.push(program),
+            Some((example, Kind::Example)) => built.examples.push(example),
+            None => {}
+        }
+    }
+    Ok(built)
 }
 
 impl Program {
     /// The program that a message of cargo tells of, if it tells of one.
-    fn of(line: &str) -> Result<Option<Program>> {
+    fn of(line: &str) -> Result<Option<(Program, Kind)>> {
         let message: Message = serde_json::from_str(line).with_context(|| format!("cargo says {line}"))?;
         let Message { manifest_path, target: Some(target), profile: Some(profile), executable } = message
         else {
             return Ok(None);
         };
-        let Some(executable) = executable.filter(|_| profile.test) else { return Ok(None) };
+        let is = |kind: &str| target.kind.iter().any(|one| one == kind);
+        let kind = if profile.test { Kind::Tests } else { Kind::Example };
+        let Some(executable) = executable.filter(|_| profile.test || is("example")) else { return Ok(None) };
         let folder = manifest_path.parent().context("a manifest lies in a folder")?.to_owned();
         let home = folder.strip_prefix(root()).unwrap_or(&folder).to_string_lossy();
-        let tests = target.kind.iter().any(|kind| kind == "test");
-        let name = if tests { format!("{home}/tests/{}", target.name) } else { format!("{home}/src") };
-        Ok(Some(Program { name, folder, executable }))
+        let name = match kind {
+            Kind::Example => target.name,
+            Kind::Tests if is("test") => format!("{home}/tests/{}", target.name),
+            Kind::Tests => format!("{home}/src"),
+        };
+        Ok(Some((Program { name, folder, executable }, kind)))
     }
 
     fn run(&self, threads: usize) -> Result<Ran> {
@@ -165,5 +203,35 @@ fn follow(tally: &mut Tally, name: &str, ran: Result<Ran>) {
     match counts {
         Some(counts) if output.status.success() || counts.failed > 0 => tally.add(counts),
         _ => tally.fail(1, format!("{name} ended with {}", output.status)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn told(kind: &str, name: &str, test: bool) -> Option<(Program, Kind)> {
+        let manifest = root().join("sim/solver/Cargo.toml");
+        let line = serde_json::json!({
+            "manifest_path": manifest,
+            "target": { "kind": [kind], "name": name },
+            "profile": { "test": test },
+            "executable": "/target/it",
+        });
+        Program::of(&line.to_string()).expect("a message")
+    }
+
+    #[test]
+    fn examples_are_told_from_programs_of_tests_and_from_those_of_users() {
+        for (told, name, is_example) in [
+            (told("test", "all", true), "sim/solver/tests/all", false),
+            (told("lib", "pneudrive_solver", true), "sim/solver/src", false),
+            (told("example", "bouncing_ball", true), "sim/solver/src", false),
+            (told("example", "bouncing_ball", false), "bouncing_ball", true),
+        ] {
+            let (program, kind) = told.expect("a program");
+            assert_eq!((program.name.as_str(), matches!(kind, Kind::Example)), (name, is_example));
+        }
+        assert!(told("bin", "pneudrive", false).is_none());
     }
 }

@@ -299,8 +299,10 @@ fn test_without_groups(tally: &mut Tally) {
 
 fn test_programs(tally: &mut Tally) {
     programs::run(tally);
-    // The only crate with examples in its documentation.
-    tests(tally, "examples of the documentation", &["test", "--package", "pneudrive-solver", "--doc"]);
+    // Of all crates at once, so that nothing is compiled again with other features. `--doc` overrides `doctest = false`.
+    let others = ["--exclude", "pneudrive-hil-tests"];
+    let call = [&["test", "--workspace", "--doc", "--no-fail-fast"], &others[..]].concat();
+    tests(tally, "examples of the documentation", &call);
 }
 
 /// Tests that count one by one.

@@ -37,6 +37,23 @@ pub struct WithinBand {
 
 /// The deviations of `other` from `reference`, channel by channel, at the reference's instants that
 /// both cover. The setpoint is not a result and is left out.
+///
+/// ```
+/// use pneudrive_evaluate::deviation::deviations;
+/// use pneudrive_evaluate::transient::Transient;
+/// use pneudrive_sim::{Accuracy, Rig, run};
+///
+/// let light = Rig::builtin("press").expect("a built-in rig");
+/// let heavy = light.with_plant(&["load.mass_kg=12"])?;
+/// let [light, heavy] = [("light", &light), ("heavy", &heavy)].map(|(name, rig)| {
+///     let run = run(rig, Accuracy::of(rig)).expect("a rig that can be integrated");
+///     Transient::of_simulation(name, rig, &run)
+/// });
+/// let position = deviations(&light, &heavy)[0];
+/// assert_eq!((position.channel, position.unit), ("position", "mm"));
+/// assert!((0.1..1.0).contains(&position.largest), "{} mm", position.largest);
+/// # Ok::<(), pneudrive_sim::rig::Problems>(())
+/// ```
 #[must_use]
 pub fn deviations(reference: &Transient, other: &Transient) -> Vec<Deviation> {
     (1..CHANNELS.len()).filter_map(|channel| deviation(reference, other, channel)).collect()

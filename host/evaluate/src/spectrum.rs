@@ -57,6 +57,15 @@ pub struct Peak {
 
 impl Spectrum {
     /// The spectrum of samples that lie `period` seconds apart.
+    ///
+    /// ```
+    /// use pneudrive_evaluate::spectrum::{Spectrum, Window};
+    ///
+    /// // A dither of 50 Hz and 0.26 mm, sampled every millisecond for a second.
+    /// let spool: Vec<f64> = (0..1000).map(|k| 0.26 * (0.1 * std::f64::consts::PI * f64::from(k)).sin()).collect();
+    /// let peak = Spectrum::of(&spool, 1e-3, Window::Hann).peaks(1)[0];
+    /// assert!((peak.frequency - 50.0).abs() < 1e-6 && (peak.amplitude - 0.26).abs() < 1e-6);
+    /// ```
     #[must_use]
     pub fn of(samples: &[f64], period: f64, window: Window) -> Spectrum {
         let n = samples.len();

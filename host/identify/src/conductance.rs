@@ -61,6 +61,20 @@ impl Point {
 impl Path {
     /// Through points, for a subsonic index.
     ///
+    /// ```
+    /// use pneudrive_identify::conductance::{Path, Point};
+    ///
+    /// // A valve of C = 3e-8 m^3/(s Pa) and b = 0.3, its flows read to 0.5 % by turns too high and too low.
+    /// let share = |ratio: f64| (1.0 - ((ratio - 0.3) / 0.7).max(0.0).powi(2)).sqrt();
+    /// let points = [0.1, 0.2, 0.4, 0.6, 0.8, 0.9].map(|ratio| Point { ratio, conductance: 3e-8 * share(ratio) });
+    /// let points: Vec<Point> = points.iter().zip([1.005, 0.995].iter().cycle())
+    ///     .map(|(point, read)| Point { conductance: point.conductance * read, ..*point }).collect();
+    /// let Path { sonic_conductance, critical_ratio, .. } = Path::through(&points, 0.5)?;
+    /// assert!((sonic_conductance.value - 3e-8).abs() < 2.0 * sonic_conductance.error);
+    /// assert!((critical_ratio.value - 0.3).abs() < 2.0 * critical_ratio.error);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
     /// # Errors
     /// When the points do not tell C and b: with what is missing.
     pub fn through(points: &[Point], index: f64) -> Result<Path> {

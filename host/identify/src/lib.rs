@@ -29,6 +29,27 @@
 //!   carry both ([`posterior`]). What no sample depends on is not fitted.
 //!
 //! docs/howto/identification.md has the proof: how often the intervals hold what a virtual rig hides.
+//!
+//! A record of a drive whose load is heavier than its rig file says:
+//!
+//! ```
+//! use pneudrive_evaluate::{cancel::CancelToken, recorded_run::recorded_run};
+//! use pneudrive_identify::{identify, parameter::Parameter, recording::Recording};
+//! use pneudrive_sim::{Accuracy, Rig, run};
+//!
+//! let moves = "test.moves=[[0.0, 0], [0.05, 1200], [0.2, -1200], [0.35, 0]]";
+//! let settings = ["controller.loop=open", "operator.dither_mm=0", "test.duration_s=0.45", moves];
+//! let file = Rig::builtin("servo-b").expect("a built-in rig").with_settings(&settings)?;
+//! let drive = file.with_settings(&["load.mass_kg=1.9"])?;
+//! let record = recorded_run(&drive, &run(&drive, Accuracy::of(&drive))?)?;
+//!
+//! let recordings = [Recording::of("TARGET01.DAT", &record, &file)?];
+//! let mass = vec![Parameter::of(&file, "load.mass_kg")?];
+//! let found = identify(&file, &recordings, mass, Accuracy::of(&file), &mut |_| {}, CancelToken::NEVER)?;
+//! let [least, most] = found.estimates[0].interval;
+//! assert!(found.fits && least < 1.9 && 1.9 < most && most - least < 0.05, "{least} to {most} kg");
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 

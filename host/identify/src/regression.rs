@@ -15,6 +15,16 @@ pub struct Line {
 
 impl Line {
     /// Through points; None where fewer than three, or no two with different x.
+    ///
+    /// ```
+    /// use pneudrive_identify::regression::Line;
+    ///
+    /// // Force over speed of a load that is pulled along: Coulomb friction of 40 N, viscous friction of 30 N s/m.
+    /// let pulled = [(0.1, 43.1), (0.2, 45.8), (0.3, 49.1), (0.4, 52.0)];
+    /// let line = Line::through(&pulled).expect("different speeds");
+    /// assert!((line.intercept.value - 40.0).abs() < 2.0 * line.intercept.error);
+    /// assert!((line.slope.value - 30.0).abs() < 2.0 * line.slope.error);
+    /// ```
     #[must_use]
     pub fn through(points: &[(f64, f64)]) -> Option<Line> {
         let n = points.len() as f64;

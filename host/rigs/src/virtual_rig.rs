@@ -305,6 +305,28 @@ pub struct Background {
 }
 
 impl Background {
+    /// Serves a rig with the true parameters of `rig`, as fast as it goes, at a free TCP port of this computer.
+    ///
+    /// ```
+    /// use pneudrive_link::client::Client;
+    /// use pneudrive_rigs::virtual_rig::Background;
+    /// use pneudrive_sim::Rig;
+    ///
+    /// let rig = Rig::builtin("servo-a").expect("a built-in rig");
+    /// let served = Background::of(rig)?;
+    /// let mut client = Client::connect(served.port())?;
+    /// assert_eq!(client.info()?.board, "virtual rig");
+    /// assert_eq!(client.status()?.position, 8192, "counts, where its test begins");
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As for [`VirtualRig::new`], and when there is no port.
+    pub fn of(rig: Rig) -> Result<Background> {
+        let listener = Listener::open("tcp:127.0.0.1:0")?;
+        Ok(Background::start(VirtualRig::new(rig, 0, Pace { fast: true, live: false })?, listener))
+    }
+
     /// Starts serving.
     #[must_use]
     pub fn start(mut rig: VirtualRig, mut listener: Listener) -> Background {

@@ -13,6 +13,20 @@ use crate::firmware_notes::{report_armed, report_boots, report_run_input};
 
 /// Enables the drive with the valve at null; clears a fault. What does not protect it then goes to the log.
 ///
+/// ```
+/// use pneudrive_link::client::Client;
+/// use pneudrive_protocol::Mode;
+/// use pneudrive_rigs::virtual_rig::Background;
+///
+/// let served = Background::of(pneudrive_sim::Rig::builtin("servo-b").expect("a built-in rig"))?;
+/// let mut client = Client::connect(served.port())?;
+/// client.stop()?;
+/// assert_eq!(client.status()?.mode, Mode::Fault);
+/// pneudrive_session::drive::arm(&mut client)?;
+/// assert_eq!(client.status()?.mode, Mode::Armed);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// When the rig refuses or does not answer.
 pub fn arm(client: &mut Client) -> Result<()> {

@@ -12,6 +12,31 @@
 //! | [`state`] | where programs of this user keep what must outlast them |
 //! | [`firmware_notes`] | notes on firmware that lacks something |
 //!
+//! A test is made ready, run to its end and recorded; the rig is a virtual one here:
+//!
+//! ```
+//! use std::sync::atomic::AtomicBool;
+//!
+//! use pneudrive_link::client::Client;
+//! use pneudrive_protocol::Mode;
+//! use pneudrive_rigs::virtual_rig::Background;
+//! use pneudrive_session::{record, test_run::TestRun};
+//!
+//! let rig = pneudrive_sim::Rig::builtin("servo-b-tuned").expect("a built-in rig");
+//! let served = Background::of(rig.clone())?;
+//! let mut client = Client::connect(served.port())?;
+//! let test = TestRun::of(&rig).prepare(&mut client, None)?;
+//! let ran = test.run(&mut client, &AtomicBool::new(false), &mut || Ok(()), |_| {});
+//! assert_eq!(ran.ended?, Mode::Done);
+//! let folder = tempfile::tempdir()?;
+//! let (path, file) = record::to_folder(&mut client, folder.path(), &mut |_, _| Ok(()))?;
+//! assert!(path.ends_with("TARGET01.DAT"));
+//! assert_eq!(file.samples.len(), 1 + rig.last_sample() as usize);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! `examples/drive_a_rig.rs` compares such a record with the simulation.
+//!
 //! Requests, downloads and streams are `pneudrive_link`'s. Nothing is printed: notes go to the log.
 
 #![deny(clippy::print_stdout, clippy::print_stderr)]

@@ -61,6 +61,18 @@ impl Standing {
 /// The rig with a test that moves the setpoint at a constant rate from one place to another, mm. A place beyond the
 /// stroke becomes the end of the stroke.
 ///
+/// ```
+/// use pneudrive_session::slow_move::slow_move;
+/// use pneudrive_sim::Rig;
+///
+/// let rig = Rig::builtin("servo-b-tuned").expect("a built-in rig");
+/// let moves = slow_move(&rig, 60.0, 80.0, 10.0)?.moves();
+/// let (first, last) = (moves[0], moves[moves.len() - 1]);
+/// assert!(first.0 == 0.0 && (1.9..2.0).contains(&last.0), "20 mm at 10 mm/s");
+/// assert_eq!(last.1, (80.0 / 0.01205) as i64, "counts of 0.01205 mm");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// When the loop is open: such a test has no setpoints.
 pub fn slow_move(rig: &Rig, from_mm: f64, to_mm: f64, mm_per_s: f64) -> Result<Rig> {

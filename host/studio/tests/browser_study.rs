@@ -11,7 +11,7 @@ use pneudrive_link::client::Client;
 use pneudrive_protocol::Mode;
 use pneudrive_records::rig_text;
 use pneudrive_records::target::TargetFile;
-use pneudrive_rigs::virtual_rig::{Background, Listener, Pace, VirtualRig};
+use pneudrive_rigs::virtual_rig::Background;
 use pneudrive_session::test_run;
 use pneudrive_sim::Rig;
 use pneudrive_sim::rigfile::builtin;
@@ -212,8 +212,7 @@ const STROKES: &str = include_str!("../../tests/fixtures/strokes.toml");
 fn record() -> String {
     let file = Rig::read("rig.toml", STROKES).expect("a rig");
     let real = file.with_numbers(&[("load.mass_kg", 1.8), ("load.viscous_n_s_per_m", 26.0)]).expect("a rig");
-    let rig = VirtualRig::new(real, 0, Pace { fast: true, live: false }).expect("a rig");
-    let rig = Background::start(rig, Listener::open("tcp:127.0.0.1:0").expect("a port"));
+    let rig = Background::of(real).expect("a rig");
     let mut client = Client::connect(rig.port()).expect("a rig at the port");
     client.download_test(&file).expect("a test");
     test_run::start(&mut client, &file, &mut || Ok(())).expect("started");

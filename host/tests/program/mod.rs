@@ -63,7 +63,7 @@ fn background(name: &str, listener: &str, pace: Pace) -> Background {
 
 /// A fast virtual rig that is not built in.
 pub fn virtual_rig_of(rig: Rig) -> Background {
-    start(rig, "tcp:127.0.0.1:0", Pace { fast: true, live: false })
+    Background::of(rig).expect("a rig")
 }
 
 fn start(rig: Rig, listener: &str, pace: Pace) -> Background {

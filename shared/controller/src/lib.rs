@@ -33,6 +33,30 @@
 //! | `pipeline` | the stages in their order |
 //! | `spool` | where a stepper's spool is, and whether that can be relied on |
 //!
+//! A drive at 100 counts that is told to go to 1000 opens its valve at once, and a stop shuts it at the output of the same
+//! sample:
+//!
+//! ```
+//! use pneudrive_controller::{Command, Config, Fault, Move, Sample, Sequence, State, output, sample};
+//!
+//! let config = Config::default();
+//! let mut sequence = Sequence::new(2000);
+//! sequence.push(Move::step(0, 1000)).expect("room for a move");
+//! let mut state = State::default();
+//! state.reference(100); // What the encoder counts now is position 100.
+//! state.arm(&config).expect("no run is on");
+//! state.start(&config, &sequence).expect("armed and referenced");
+//!
+//! let measured = Sample { pressure_1: 2000, pressure_2: 2000, ..Sample::default() };
+//! sample(&config, &sequence, &mut state, &measured);
+//! assert_eq!(state.observation().error, 900);
+//! assert!(output(&config, &mut state).counts > 0, "it extends");
+//! state.supervisor.trip(Fault::Stop);
+//! assert_eq!(output(&config, &mut state), Command::OFF);
+//! ```
+//!
+//! `examples/step_controller.rs` runs it sample by sample.
+//!
 //! # Guarantees
 //!
 //! No float, no allocation, no `unsafe`, no panicking path, no required dependency. Every sum and product of the law

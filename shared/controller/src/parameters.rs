@@ -225,6 +225,22 @@ pub fn by_name(name: &str) -> Option<&'static Parameter> {
 
 /// The values of all parameters; each within its range, not yet checked against each other
 /// ([`Config::new`](crate::Config::new) does that).
+///
+/// ```
+/// use pneudrive_controller::config::ConfigError;
+/// use pneudrive_controller::parameters::{SetError, id, lookup};
+/// use pneudrive_controller::{Config, Parameters};
+///
+/// let mut parameters = Parameters::default();
+/// parameters.set(id::PERIOD_US, 1000)?;
+/// assert_eq!(lookup(id::PERIOD_US).map(|line| line.unit), Some("us"));
+/// assert_eq!(parameters.set(id::PERIOD_US, 0), Err(SetError::OutOfRange));
+///
+/// // Each value may be in its range and still not go with the others.
+/// parameters.set(id::DELAY_US, 1000)?;
+/// assert_eq!(Config::new(&parameters), Err(ConfigError::DelayNotBelowPeriod));
+/// # Ok::<(), SetError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Parameters {
     scalars: [i32; SCALARS],

@@ -50,6 +50,21 @@ pub enum SequenceError {
 }
 
 /// A list of moves in order of time, and the length of the run.
+///
+/// ```
+/// use pneudrive_controller::profile::Ramp;
+/// use pneudrive_controller::sequence::SequenceError;
+/// use pneudrive_controller::{Move, Profile, Sequence};
+///
+/// // To 8000 counts at once, and back by an S-curve of at most 8000 counts in 500 samples.
+/// let back = Profile::Ramp(Ramp::new(500, 100, 20).expect("lengths in their range"));
+/// let mut sequence = Sequence::new(3000);
+/// sequence.push(Move::step(0, 8000))?;
+/// sequence.push(Move { profile: back, ..Move::step(1000, 0) })?;
+/// assert_eq!(back.samples(), 500 + 100 + 20 - 2);
+/// assert_eq!(sequence.push(Move::step(999, 50)), Err(SequenceError::OutOfOrder));
+/// # Ok::<(), SequenceError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Sequence {
     moves: [Move; MAX_MOVES],

@@ -95,6 +95,21 @@ impl Refusal {
 }
 
 /// The mode, the reference flag and the fault latch.
+///
+/// ```
+/// use pneudrive_controller::{Fault, Mode};
+/// use pneudrive_controller::supervisor::Supervisor;
+///
+/// let mut supervisor = Supervisor::default();
+/// supervisor.arm()?;
+/// supervisor.trip(Fault::LateSample);
+/// supervisor.trip(Fault::Stop);
+/// supervisor.disarm();
+/// assert_eq!(supervisor.mode(), Mode::Fault(Fault::LateSample), "the first fault stays");
+/// supervisor.arm()?;
+/// assert_eq!(supervisor.mode(), Mode::Armed);
+/// # Ok::<(), pneudrive_controller::Refusal>(())
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Supervisor {
     mode: Mode,

@@ -16,6 +16,20 @@ pub const MAX_CHANGE: usize = 4096;
 pub const PART_BYTES: usize = MAX_MESSAGE - 64;
 
 /// A piece of a change. Variants are added at the end.
+///
+/// ```
+/// use pneudrive_protocol::change::{Entries, Entry, PART_BYTES};
+///
+/// let entries = [
+///     Entry::Test { name: "step", last_sample: 2000, round: 0, decimation: 1, pre_trigger: 0 },
+///     Entry::Move { at_sample: 0, target: 8192 },
+/// ];
+/// let mut change = Vec::new();
+/// for entry in &entries {
+///     change.extend_from_slice(entry.write(&mut [0; PART_BYTES]).expect("a short name"));
+/// }
+/// assert!(Entries::of(&change).eq(entries.map(Ok)));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Entry<'a> {
     /// Parameters of consecutive ids.

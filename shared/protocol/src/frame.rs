@@ -61,6 +61,23 @@ pub enum FrameError {
 /// Damage costs the frames it touches, and the following one where it hit a delimiter. An error
 /// shows at the next delimiter; up to there everything is discarded, so that the tail of an
 /// overlong frame is never taken for a frame. Delimiters in a row are nothing at all.
+///
+/// ```
+/// use pneudrive_protocol::frame::{Accumulator, FrameError, encode};
+///
+/// let mut room = [0; 32];
+/// let length = encode(b"go", &mut room).expect("room for a frame").len();
+/// let sound = room;
+/// room[1] ^= 0x01; // A bit turns over on the line.
+///
+/// let mut line: Accumulator = Accumulator::new();
+/// let mut last = |bytes: &[u8]| {
+///     bytes.iter().filter_map(|byte| line.push(*byte).map(|message| message.map(<[u8]>::to_vec))).last()
+/// };
+/// assert_eq!(last(&room[..length]), Some(Err(FrameError::WrongCrc)));
+/// assert_eq!(last(&sound[..length]), Some(Ok(b"go".to_vec())), "the next frame is taken");
+/// assert_eq!(line.damaged, 1);
+/// ```
 #[derive(Debug)]
 pub struct Accumulator<const N: usize = { MAX_MESSAGE + CRC_BYTES }> {
     /// Frames that were not taken; stays at the largest number once there.

@@ -27,6 +27,21 @@
 //! Runs of parameter values and recorded samples travel as plain little endian bytes, so that both
 //! ends take them from where they are ([`Values`], [`RecordedSample`]).
 //!
+//! ```
+//! use pneudrive_protocol::{Accumulator, MAX_FRAME, Request, RequestBody, decode_request, encode, session};
+//!
+//! let stop = Request { sequence: 7, session: session::FIRST, boot: session::NO_BOOT, body: RequestBody::Stop };
+//! let mut room = [0; MAX_FRAME];
+//! let (delimiter, frame) = encode(&stop, &mut room).and_then(<[u8]>::split_last).expect("room for a frame");
+//!
+//! let mut line: Accumulator = Accumulator::new();
+//! for &byte in frame {
+//!     assert_eq!(line.push(byte), None, "nothing before the delimiter");
+//! }
+//! let message = line.push(*delimiter).expect("the frame is over").expect("it came whole");
+//! assert_eq!(decode_request(message), Ok(stop));
+//! ```
+//!
 //! A reader knows nothing until it has seen a delimiter: whoever opens a link sends a 0x00 first.
 //! [`Accumulator`] says what damage costs.
 //!

@@ -3,6 +3,16 @@
 use crate::frame::CRC_32;
 
 /// One stored sample, in the raw units of the hardware.
+///
+/// ```
+/// use pneudrive_protocol::RecordedSample;
+///
+/// let stored = [100, 105, 117].map(|position| RecordedSample { position, error: -3, ..RecordedSample::default() });
+/// let chunk = stored.map(|sample| sample.to_bytes()).concat();
+/// assert_eq!(chunk.len(), 3 * RecordedSample::BYTES);
+/// assert!(RecordedSample::read(&chunk).expect("whole samples").eq(stored));
+/// assert!(RecordedSample::read(&chunk[1..]).is_none(), "it ends within a sample");
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct RecordedSample {
     /// Encoder count; positive means extension. Unit: counts.

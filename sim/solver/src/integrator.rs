@@ -141,6 +141,39 @@ impl<const N: usize, const G: usize, const E: usize, const FEW: usize, const SOM
         &self.read
     }
 
+    /// Integrates to `t`, or a little beyond it, and gives the state there.
+    ///
+    /// ```
+    /// use pneudrive_solver::{Derivative, Event, Integrator, Method, System};
+    ///
+    /// /// A vessel that empties with a time constant of 0.2 s: its gauge pressure, bar.
+    /// struct Vessel;
+    ///
+    /// impl System<1, 0, 0> for Vessel {
+    ///     fn derivative(&mut self, _t: f64, x: &[f64; 1]) -> [f64; 1] {
+    ///         [-x[0] / 0.2]
+    ///     }
+    /// }
+    ///
+    /// let mut integrator = Integrator::new(Method::DormandPrince, 1e-10, [1.0], [6.0]);
+    /// for t in [0.1, 0.2, 0.5] {
+    ///     let [pressure] = *integrator.state_at(&mut Vessel, t)?;
+    ///     assert!((pressure - 6.0 * f64::exp(-t / 0.2)).abs() < 1e-9);
+    /// }
+    /// # Ok::<(), pneudrive_solver::IntegrationError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`Integrator::integrate_to`].
+    pub fn state_at(
+        &mut self,
+        system: &mut impl System<N, G, E>,
+        t: f64,
+    ) -> Result<&[f64; N], IntegrationError> {
+        self.integrate_to(system, t, f64::INFINITY)?;
+        Ok(self.state(t))
+    }
+
     /// Whether the last step has gone beyond `t`, so that [`Integrator::integrate_to`] has nothing to do.
     #[must_use]
     #[inline]

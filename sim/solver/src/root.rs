@@ -5,6 +5,14 @@
 /// Chandrupatla's method (Advances in Engineering Software 28, 1997): bisection where the three
 /// last points do not look like a monotone curve, else inverse quadratic interpolation. It cannot leave
 /// the bracket and needs no derivative, which may be infinite at the root.
+///
+/// ```
+/// use pneudrive_solver::bracketed_root;
+///
+/// let volume = |edge: f64| edge.powi(3) - 2.0;
+/// let edge = bracketed_root(volume, [(0.0, -2.0), (2.0, 6.0)], 1e-14);
+/// assert!((edge - 2.0_f64.cbrt()).abs() < 1e-14);
+/// ```
 pub fn bracketed_root(mut f: impl FnMut(f64) -> f64, bracket: [(f64, f64); 2], tolerance: f64) -> f64 {
     let [(mut b, mut fb), (mut a, mut fa)] = bracket;
     let (mut c, mut fc);

@@ -11,7 +11,9 @@ pub trait System<const N: usize, const G: usize, const E: usize> {
 
     /// Not negative as long as the present modes hold. They are evaluated inside a step as well, so that a guard
     /// that becomes negative and comes back is seen.
-    fn guards(&mut self, t: f64, x: &[f64; N]) -> [f64; G];
+    fn guards(&mut self, _t: f64, _x: &[f64; N]) -> [f64; G] {
+        [f64::INFINITY; G]
+    }
 
     /// The same for guards that are dear: they are evaluated at the end of a step only.
     fn end_guards(&mut self, _t: f64, _x: &[f64; N]) -> [f64; E] {
@@ -19,6 +21,31 @@ pub trait System<const N: usize, const G: usize, const E: usize> {
     }
 
     /// The first time after `t` at which the modes change for any state; infinite if there is none.
+    ///
+    /// ```
+    /// use pneudrive_solver::{Derivative, Event, Integrator, Method, System};
+    ///
+    /// /// A slide at 1 m/s that a command turns round every second.
+    /// struct Slide(f64);
+    ///
+    /// impl System<1, 0, 0> for Slide {
+    ///     fn derivative(&mut self, _t: f64, _x: &[f64; 1]) -> [f64; 1] {
+    ///         [self.0]
+    ///     }
+    ///     fn next_time_event(&self, t: f64) -> f64 {
+    ///         t.floor() + 1.0
+    ///     }
+    ///     fn handle_event(&mut self, _event: Event, _t: f64, _x: &mut [f64; 1]) -> Derivative {
+    ///         self.0 = -self.0;
+    ///         Derivative::Discontinuous
+    ///     }
+    /// }
+    ///
+    /// let mut integrator = Integrator::new(Method::DormandPrince, 1e-9, [1.0], [0.0]);
+    /// let [place] = *integrator.state_at(&mut Slide(1.0), 3.25)?;
+    /// assert!((place - 0.75).abs() < 1e-12, "it is on its second way back");
+    /// # Ok::<(), pneudrive_solver::IntegrationError>(())
+    /// ```
     fn next_time_event(&self, _t: f64) -> f64 {
         f64::INFINITY
     }
@@ -64,7 +91,9 @@ pub trait System<const N: usize, const G: usize, const E: usize> {
     }
 
     /// Changes the modes at an event, and the state if it jumps. Returns the effect on dx/dt.
-    fn handle_event(&mut self, event: Event, t: f64, x: &mut [f64; N]) -> Derivative;
+    fn handle_event(&mut self, _event: Event, _t: f64, _x: &mut [f64; N]) -> Derivative {
+        Derivative::Discontinuous
+    }
 }
 
 /// How far a step may go, and the event that comes then, if one does.

@@ -3,9 +3,11 @@
 //! Positive means extension; friction counts positive against it. The static and the Coulomb force by direction are
 //! common to all models.
 
+mod coast;
 pub mod dry;
 pub mod lugre;
 
+pub use coast::{Stop, coast};
 pub use dry::{Contact, DryFriction};
 
 use crate::key::{Key, keys, words};

@@ -9,25 +9,43 @@ use crate::values::{Rig, Value};
 impl Rig {
     /// Reads a rig file; `source` is its name for messages.
     ///
+    /// ```
+    /// use pneudrive_sim::{Rig, keys};
+    ///
+    /// let rig = Rig::read("mine.toml", "[supply]\npressure = \"6 bar(g)\"").expect("a valid file");
+    /// assert_eq!(rig.get(&keys::supply::PRESSURE_PA), 701_300.0);
+    /// assert_eq!(rig.get(&keys::load::MASS_KG), 1.6, "what a file does not say has a default");
+    ///
+    /// let problems = Rig::read("mine.toml", "[load]\nmas_kg = 8").expect_err("a misspelled key");
+    /// assert_eq!(problems.to_string(), "mine.toml:2: load.mas_kg: unknown key; did you mean mass_kg?");
+    /// ```
+    ///
     /// # Errors
     /// Every problem with its line and key.
     pub fn read(source: &str, text: &str) -> Result<Rig, Problems> {
-        Rig::read_with(source, text, &[])
+        RigFile::read(source, text).into_rig(&[""; 0])
     }
 
     /// Reads a rig file and applies `key=value` settings, each in TOML syntax.
     ///
     /// # Errors
     /// Every problem with its line and key.
-    pub fn read_with(source: &str, text: &str, settings: &[String]) -> Result<Rig, Problems> {
+    pub fn read_with(source: &str, text: &str, settings: &[impl AsRef<str>]) -> Result<Rig, Problems> {
         RigFile::read(source, text).into_rig(settings)
     }
 
     /// This rig with `key=value` settings applied, each in TOML syntax.
     ///
+    /// ```
+    /// use pneudrive_sim::{Rig, keys};
+    ///
+    /// let heavy = Rig::builtin("servo-b").expect("a built-in rig").with_settings(&["load.mass_kg=20"]);
+    /// assert_eq!(heavy.expect("in its range").get(&keys::load::MASS_KG), 20.0);
+    /// ```
+    ///
     /// # Errors
     /// Every problem with its key.
-    pub fn with_settings(&self, settings: &[String]) -> Result<Rig, Problems> {
+    pub fn with_settings(&self, settings: &[impl AsRef<str>]) -> Result<Rig, Problems> {
         let mut reader = Reader::new(self.name(), "");
         let mut rig = self.changed(&mut reader, settings);
         // What a setting says, the controller knows.
@@ -41,17 +59,17 @@ impl Rig {
     ///
     /// # Errors
     /// Every problem with its key.
-    pub fn with_plant(&self, settings: &[String]) -> Result<Rig, Problems> {
+    pub fn with_plant(&self, settings: &[impl AsRef<str>]) -> Result<Rig, Problems> {
         let mut reader = Reader::new(self.name(), "");
         let mut rig = self.changed(&mut reader, settings);
         rig.keep_nominal_of(self);
         rig.checked_by(reader)
     }
 
-    fn changed(&self, reader: &mut Reader, settings: &[String]) -> Rig {
+    fn changed(&self, reader: &mut Reader, settings: &[impl AsRef<str>]) -> Rig {
         let mut rig = self.clone();
         for setting in settings {
-            reader.setting(&mut rig, setting);
+            reader.setting(&mut rig, setting.as_ref());
         }
         reader.finish(&mut rig);
         rig
@@ -61,7 +79,7 @@ impl Rig {
     ///
     /// # Errors
     /// Every problem with its key.
-    pub fn with_test(&self, settings: &[String]) -> Result<Rig, Problems> {
+    pub fn with_test(&self, settings: &[impl AsRef<str>]) -> Result<Rig, Problems> {
         let mut rig = self.clone();
         for key in keys::test::ALL {
             rig.put(key.path, preset_value(&key.preset));
@@ -109,15 +127,15 @@ impl RigFile {
     ///
     /// # Errors
     /// Every problem with its line and key.
-    pub fn with(&self, settings: &[String]) -> Result<Rig, Problems> {
+    pub fn with(&self, settings: &[impl AsRef<str>]) -> Result<Rig, Problems> {
         self.clone().into_rig(settings)
     }
 
-    fn into_rig(self, settings: &[String]) -> Result<Rig, Problems> {
+    fn into_rig(self, settings: &[impl AsRef<str>]) -> Result<Rig, Problems> {
         let RigFile { source, mut rig, noted } = self;
         let mut reader = Reader::resume(&source, noted);
         for setting in settings {
-            reader.setting(&mut rig, setting);
+            reader.setting(&mut rig, setting.as_ref());
         }
         reader.finish(&mut rig);
         rig.checked_by(reader)

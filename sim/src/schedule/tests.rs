@@ -4,7 +4,7 @@ use pneudrive_controller::profile::Profile;
 use proptest::prelude::*;
 
 fn test(text: &str) -> Result<Rig, String> {
-    Rig::read_with("rig.toml", text, &[]).map_err(|problems| problems.to_string())
+    Rig::read("rig.toml", text).map_err(|problems| problems.to_string())
 }
 
 fn refusal(text: &str) -> String {

@@ -151,7 +151,7 @@ fn importable(from: &str) -> Result<(String, Named)> {
     if !text.lines().any(is_content) {
         bail!("{source} is empty: it contains neither a parameter nor a key of a rig");
     }
-    let rig = Rig::read_with(&source, &text, &[])?;
+    let rig = Rig::read(&source, &text)?;
     Ok((rig.name().to_owned(), Named { parameters: rig.parameters(), unnamed: Vec::new() }))
 }
 

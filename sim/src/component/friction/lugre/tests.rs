@@ -9,8 +9,7 @@ const VISCOUS: f64 = 30.0;
 
 /// The empty file with these settings.
 fn friction(settings: &[&str]) -> LuGre {
-    let settings: Vec<String> =
-        [&["load.friction=lugre"], settings].concat().iter().map(|&one| one.to_owned()).collect();
+    let settings = [&["load.friction=lugre"], settings].concat();
     let Friction::LuGre(model) = Friction::of(&Rig::read_with("test", "", &settings).expect("valid")) else {
         panic!("another model")
     };
