@@ -9,8 +9,10 @@ use std::process::Command;
 use anyhow::{Context, Result, bail, ensure};
 use pneudrive_build::cargo::{self, built, in_root, run};
 
-/// The version that makes it. It is under the MPL-2.0, a program of its own.
-const VERSION: &str = "0.5.4";
+use crate::tools::CargoTool;
+
+/// The program that makes it. It is under the MPL-2.0, a program of its own.
+const MDBOOK: CargoTool = CargoTool { name: "mdbook", version: "0.5.4", features: &["search"] };
 
 /// The table of contents, within the folder of documents.
 const SUMMARY: &str = "docs/SUMMARY.md";
@@ -29,18 +31,10 @@ use-default-preprocessors = false
 git-repository-icon = "fab-github"
 "#;
 
-/// The program that makes it.
-///
-/// # Errors
-/// When the folder of what is built is not known.
-fn program() -> Result<PathBuf> {
-    Ok(built("tools")?.join("bin").join(format!("mdbook{}", std::env::consts::EXE_SUFFIX)))
-}
-
 /// Whether that program was built before.
 #[must_use]
 pub fn is_there() -> bool {
-    program().is_ok_and(|program| program.exists())
+    MDBOOK.path().is_ok_and(|program| program.exists())
 }
 
 /// Builds that program from crates.io if it is not there.
@@ -48,22 +42,7 @@ pub fn is_there() -> bool {
 /// # Errors
 /// When it cannot be built.
 pub fn ensure() -> Result<()> {
-    if is_there() {
-        return Ok(());
-    }
-    let folder = built("tools")?;
-    let package = format!("mdbook@{VERSION}");
-    let folder = folder.to_str().context("a folder with a name in UTF-8")?;
-    run(&mut in_root(&[
-        "install",
-        &package,
-        "--locked",
-        "--no-default-features",
-        "--features",
-        "search",
-        "--root",
-        folder,
-    ]))
+    MDBOOK.ensure().map(drop)
 }
 
 /// The folder of the pages where none is named.
@@ -82,7 +61,7 @@ pub fn build(out: &Path) -> Result<()> {
     let sources = built("book-sources")?;
     gather(&sources)?;
     add_reference(&sources)?;
-    run(Command::new(program()?).arg("build").arg(&sources).arg("--dest-dir").arg(out))?;
+    run(Command::new(MDBOOK.path()?).arg("build").arg(&sources).arg("--dest-dir").arg(out))?;
     check_links(out)?;
     println!("{}", out.join("index.html").display());
     Ok(())

@@ -6,7 +6,7 @@ use std::ops::Range;
 
 use anyhow::{Context, Result, ensure};
 use object::elf::FileHeader32;
-use object::read::elf::ElfFile;
+use object::read::elf::{ElfFile, ElfSegment32};
 use object::{LittleEndian, Object, ObjectSection, ObjectSegment, ObjectSymbol, SectionKind, SymbolKind};
 
 use crate::forbidden::Kind;
@@ -33,6 +33,20 @@ struct Symbol {
     name: String,
     address: u32,
     defined: bool,
+}
+
+/// Bytes of the flash, and where they begin.
+#[derive(Clone, Debug)]
+pub struct Load {
+    /// The address of the first.
+    pub address: u32,
+    /// The bytes.
+    pub bytes: Vec<u8>,
+}
+
+/// Where a segment lies in the flash; a variable's start value lies elsewhere than the variable.
+fn load_address(segment: &ElfSegment32<'_, '_, LittleEndian>) -> u32 {
+    segment.elf_program_header().p_paddr.get(LittleEndian)
 }
 
 /// A forbidden item in the image.
@@ -108,7 +122,7 @@ impl Image {
         let variables = elf.symbols().filter(|symbol| symbol.kind() == SymbolKind::Data);
         let written = elf.segments().filter_map(|segment| {
             let (_, bytes) = segment.file_range();
-            let start = u64::from(segment.elf_program_header().p_paddr.get(LittleEndian));
+            let start = u64::from(load_address(&segment));
             (bytes > 0).then(|| start..start + bytes)
         });
         Image {
@@ -119,6 +133,22 @@ impl Image {
             symbols: Vec::new(),
             instructions: Vec::new(),
         }
+    }
+
+    /// What a programmer writes to the flash, in order of address.
+    ///
+    /// # Errors
+    /// When it is no image.
+    pub fn loads(file: &[u8]) -> Result<Vec<Load>> {
+        let elf = ElfFile::<FileHeader32<LittleEndian>>::parse(file).context("no 32-bit ELF file")?;
+        let mut loads = Vec::new();
+        for segment in elf.segments() {
+            let bytes = segment.data().context("a segment")?.to_vec();
+            loads.push(Load { address: load_address(&segment), bytes });
+        }
+        loads.retain(|load| !load.bytes.is_empty());
+        loads.sort_by_key(|load| load.address);
+        Ok(loads)
     }
 
     /// Everything that a function reaches by direct calls, itself included, and its calls by a register: nothing is

@@ -7,6 +7,7 @@
 //! | [`flashed`] | runs the image of the Nucleo board with models of its peripherals |
 //! | [`boards`] | builds the images for the Nucleo board and the Pico 2 and judges their size and their control |
 //! | [`book`] | the documents as a book of pages |
+//! | [`dist`] | a release: crates, wheel, images, bills of materials, sums |
 //! | [`deny`] | licences, sources and advisories of other people's code |
 //! | [`link`] | the link under faults: often, and in all its states |
 //! | [`targets`] | builds for other systems |
@@ -32,6 +33,7 @@ pub mod axe;
 pub mod boards;
 pub mod book;
 pub mod deny;
+pub mod dist;
 #[cfg(test)]
 mod documents;
 pub mod examples;

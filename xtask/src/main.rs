@@ -5,6 +5,7 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 use xtask::deny;
+use xtask::dist;
 use xtask::link;
 use xtask::steps::{self, Group};
 use xtask::tally::Tally;
@@ -52,6 +53,19 @@ enum Command {
         /// The folder [default: target/book]
         #[arg(long, value_name = "DIR")]
         out: Option<PathBuf>,
+    },
+    /// Make a release of the last commit: crates, wheel, images of the boards, bills of materials, notices and sums. Builds
+    /// cargo-about and cargo-cyclonedx, and installs maturin and zig
+    Dist {
+        /// The folder [default: target/dist]
+        #[arg(long, value_name = "DIR")]
+        out: Option<PathBuf>,
+        /// Make all of it twice, and compare the bytes
+        #[arg(long)]
+        twice: bool,
+        /// Before: date the changelog, and commit that. After: tag the commit as vVERSION
+        #[arg(long)]
+        tag: bool,
     },
     /// Run the test bodies on the board that PNEUDRIVE_BOARD names (hil-tests/src/board.rs)
     Hil {
@@ -111,6 +125,7 @@ fn main() -> ExitCode {
         Command::Probe => steps::probe(&mut tally),
         Command::Web { out } => steps::web(&mut tally, out),
         Command::Book { out } => steps::book(&mut tally, out),
+        Command::Dist { out, twice, tag } => dist::make(&mut tally, out, dist::Extras { twice, tag }),
         Command::Hil { bodies } => steps::hil(&mut tally, &bodies),
         Command::Flashed { write } => steps::flashed(&mut tally, write),
         Command::Soak { seconds } => steps::soak(&mut tally, seconds),

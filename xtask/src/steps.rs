@@ -12,8 +12,8 @@ use pneudrive_build::firmware;
 use crate::tally::{self, Counts, Tally};
 use crate::tools::{CHROMIUM, QEMU};
 use crate::{
-    axe, boards, book, deny, flashed, fmu, instructions, link, memory, probe, processors, programs, python,
-    targets, web,
+    axe, boards, book, deny, dist, flashed, fmu, instructions, link, memory, probe, processors, programs,
+    python, targets, web,
 };
 
 /// Formats all workspaces, or checks that they are formatted.
@@ -451,6 +451,7 @@ pub fn ci(tally: &mut Tally) {
         test_group(tally, *group);
     }
     deny::check(tally);
+    dist::check(tally);
     docs(tally);
 }
 

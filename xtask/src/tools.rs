@@ -1,10 +1,11 @@
 //! The programs that tests need besides Rust: the emulator of the boards' processor, a counter of instructions, a
 //! browser, and the build tools for the emulator of the flashed image.
 
+use std::path::PathBuf;
 use std::process::{Command, Stdio};
 
 use anyhow::{Result, bail};
-use pneudrive_build::cargo::run;
+use pneudrive_build::cargo::{built, in_root, run};
 
 /// A program, and the package that brings it.
 pub struct Tool {
@@ -56,6 +57,41 @@ pub const CMAKE: Tool =
 /// The tool that reads the headers of that emulator.
 pub const CLANG: Tool =
     Tool { program: "clang", package: "clang", how: "apt-get install clang, brew install llvm, ..." };
+
+/// A program of Rust that is built from crates.io, in the folder of what is built.
+pub struct CargoTool {
+    /// Its package and its name.
+    pub name: &'static str,
+    /// The version that is built.
+    pub version: &'static str,
+    /// Its features, without those of the default.
+    pub features: &'static [&'static str],
+}
+
+impl CargoTool {
+    /// Where it is once it is built.
+    ///
+    /// # Errors
+    /// When the folder of what is built is not known.
+    pub fn path(&self) -> Result<PathBuf> {
+        Ok(built("tools")?.join("bin").join(format!("{}{}", self.name, std::env::consts::EXE_SUFFIX)))
+    }
+
+    /// Builds it if it is not there, and returns where it is.
+    ///
+    /// # Errors
+    /// When it cannot be built.
+    pub fn ensure(&self) -> Result<PathBuf> {
+        let path = self.path()?;
+        if !path.exists() {
+            let (package, features) = (format!("{}@{}", self.name, self.version), self.features.join(","));
+            println!("building {package} in {}", built("tools")?.display());
+            let install = ["install", &package, "--locked", "--no-default-features", "--features", &features];
+            run(in_root(&install).arg("--root").arg(built("tools")?))?;
+        }
+        Ok(path)
+    }
+}
 
 impl Tool {
     /// Whether it is there.
