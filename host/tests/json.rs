@@ -13,7 +13,7 @@ use crate::program::{self, folder, pneudrive, unhurried_rig, virtual_rig, with_l
 /// The fields of a command in docs/reference/json.md, by their places: `moves[].rise_s` is of type `range`.
 fn documented(command: &str) -> BTreeMap<String, String> {
     let page = include_str!("../../docs/reference/json.md");
-    let section = page.split("\n## ").find(|section| section.lines().next() == Some(command));
+    let section = page.split("\n## ").find(|section| is_of(section, command));
     let section = section.unwrap_or_else(|| panic!("docs/reference/json.md has a section {command}"));
     let mut fields = BTreeMap::new();
     for row in section.lines().filter(|line| line.starts_with("| `")) {
@@ -24,6 +24,11 @@ fn documented(command: &str) -> BTreeMap<String, String> {
         }
     }
     fields
+}
+
+/// Whether a section of the page is that of a command; those with the same fields share one.
+fn is_of(section: &str, command: &str) -> bool {
+    section.lines().next().is_some_and(|heading| heading.split(", ").any(|name| name == command))
 }
 
 /// Compares a value with the fields; those that it has are added to `seen`.

@@ -293,8 +293,24 @@ pub fn book(tally: &mut Tally, out: Option<PathBuf>) {
 fn test_without_groups(tally: &mut Tally) {
     tally.check("target of the boards", cargo::ensure_thumb_target);
     tally.check("emulator", || QEMU.ensure());
-    tally.check("image for the emulator", boards::check_emulated);
+    beside(tally, |images| images.check("image for the emulator", boards::check_emulated), |_| {});
     test_programs(tally);
+}
+
+/// Compiles the tests, and images at the same time: these are built in a folder of their own, mostly by one core. Tests are run
+/// after both, because some measure times.
+fn beside(tally: &mut Tally, images: fn(&mut Tally), before: fn(&mut Tally)) {
+    let images = std::thread::spawn(move || {
+        let mut tally = Tally::default();
+        images(&mut tally);
+        tally
+    });
+    before(tally);
+    tally.check("tests, compiled", programs::build);
+    match images.join() {
+        Ok(images) => tally.absorb(images),
+        Err(_) => tally.fail(1, "the images: a panic, told above".to_owned()),
+    }
 }
 
 fn test_programs(tally: &mut Tally) {
@@ -426,25 +442,17 @@ fn example(name: &str, arguments: &[&str]) -> Result<()> {
     run(&mut in_root(&[&run_it, arguments].concat()))
 }
 
-/// The checks of CI. The images are built in a folder of their own, mostly by one core. The tests are compiled at the
-/// same time, and run once the images are done, because some tests measure times.
+/// The checks of CI.
 pub fn ci(tally: &mut Tally) {
     fmt(tally, true);
     tally.check("target of the boards", cargo::ensure_thumb_target);
     tally.check("emulator", || QEMU.ensure());
-    let images = std::thread::spawn(|| {
-        let mut images = Tally::default();
+    let images = |images: &mut Tally| {
         images.check("image for the emulator", boards::check_emulated);
-        lint_images(&mut images);
-        probe(&mut images);
-        images
-    });
-    lint_root(tally);
-    tally.check("tests, compiled", programs::build);
-    match images.join() {
-        Ok(images) => tally.absorb(images),
-        Err(_) => tally.fail(1, "the images: a panic, told above".to_owned()),
-    }
+        lint_images(images);
+        probe(images);
+    };
+    beside(tally, images, lint_root);
     no_std_crates(tally);
     test_programs(tally);
     for group in Group::value_variants().iter().filter(|group| **group != Group::Images) {
