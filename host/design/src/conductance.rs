@@ -24,7 +24,7 @@ pub struct Conductance {
 impl Conductance {
     /// From the nominal flow (m3/s) and the critical ratio.
     #[must_use]
-    pub fn of_nominal_flow(flow: f64, critical_ratio: f64) -> Conductance {
+    pub(crate) fn of_nominal_flow(flow: f64, critical_ratio: f64) -> Conductance {
         Conductance::of_flow(flow, NOMINAL, critical_ratio)
     }
 
@@ -51,7 +51,7 @@ impl Conductance {
 
     /// C in the unit of data sheets, dm3/(s bar).
     #[must_use]
-    pub fn dm3_per_s_bar(&self) -> f64 {
+    pub(crate) fn dm3_per_s_bar(&self) -> f64 {
         self.sonic * 1e8
     }
 }

@@ -49,7 +49,7 @@ pub fn to_toml(rows: &[Row]) -> String {
 
 /// The largest flow over the pressure in front of it, m3/(s Pa): about the sonic conductance of the valve fully open.
 #[must_use]
-pub fn largest_conductance(rows: &[Row]) -> f64 {
+pub(crate) fn largest_conductance(rows: &[Row]) -> f64 {
     rows.iter().map(|[_, up, _, flow, _]| flow / up / 6e7).fold(0.0, f64::max)
 }
 

@@ -319,7 +319,7 @@ impl Transient {
 
     /// Lowest and highest value of a channel at `time` over a run and its perturbed runs; None without a band.
     #[must_use]
-    pub fn band_at(&self, channel: usize, time: f64) -> Option<[f64; 2]> {
+    pub(crate) fn band_at(&self, channel: usize, time: f64) -> Option<[f64; 2]> {
         let band = self.band.as_ref()?;
         Some([self.interpolated(&band.low[channel], time)?, self.interpolated(&band.high[channel], time)?])
     }

@@ -98,7 +98,7 @@ impl Instance {
     ///
     /// # Errors
     /// When the rig file cannot be read, or is not the token's.
-    pub fn of_resources(token: &str, folder: &Path) -> Result<Instance> {
+    pub(crate) fn of_resources(token: &str, folder: &Path) -> Result<Instance> {
         let path = folder.join(RIG_FILE);
         let text =
             std::fs::read_to_string(&path).with_context(|| format!("cannot read {}", path.display()))?;

@@ -69,7 +69,7 @@ pub struct Explanation {
 impl Explanation {
     /// Whether the effect is unlikely to be due to chance.
     #[must_use]
-    pub fn is_significant(&self) -> bool {
+    pub(crate) fn is_significant(&self) -> bool {
         self.chance < SIGNIFICANT
     }
 }
@@ -129,7 +129,7 @@ impl Traces {
     }
 
     /// Whether there is one that noise hardly has.
-    pub fn are_clear(&self) -> bool {
+    pub(crate) fn are_clear(&self) -> bool {
         self.far || self.chance < SIGNIFICANT
     }
 

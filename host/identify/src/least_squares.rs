@@ -120,7 +120,7 @@ pub fn minimise(
 }
 
 /// Searches from a point whose derivatives are known, roughly at least, without evaluating them again.
-pub fn minimise_by_secants(problem: &impl Problem, start: Minimum) -> Minimum {
+pub(crate) fn minimise_by_secants(problem: &impl Problem, start: Minimum) -> Minimum {
     let mut search = Search::from(problem, start, DAMPING[1]);
     search.by_secants = true;
     let mut idle = 0;

@@ -65,7 +65,7 @@ pub struct Incline {
 impl Incline {
     /// Ends of what friction of a key is less without the incline, N; None for another key.
     #[must_use]
-    pub fn takes_from(&self, path: &str) -> Option<[f64; 2]> {
+    pub(crate) fn takes_from(&self, path: &str) -> Option<[f64; 2]> {
         let (_, sign) = FRICTIONS.iter().find(|(known, _)| *known == path)?;
         let [a, b] = self.forces.map(|force| sign * force);
         Some([a.min(b), a.max(b)])

@@ -96,7 +96,7 @@ use spectrum::Spectrum;
 use pneudrive_evaluate::cancel::CancelToken;
 
 /// A parameter whose standard error is a larger part of that of its prior cannot be seen in the data.
-pub const UNSEEN: f64 = 0.5;
+pub(crate) const UNSEEN: f64 = 0.5;
 
 /// No sample depends on a parameter if all of them together change by less than so many standard deviations over its
 /// prior.
@@ -184,7 +184,7 @@ pub struct ChannelFit {
 impl ChannelFit {
     /// Whether the residuals are larger than before the fit by more than chance.
     #[must_use]
-    pub fn has_grown(&self) -> bool {
+    pub(crate) fn has_grown(&self) -> bool {
         let chance = (2.0 / self.samples as f64).sqrt() * self.noise.powi(2);
         self.after.powi(2) - self.before.powi(2) > GROWN * chance
     }

@@ -63,7 +63,7 @@ impl Limit {
 
 /// The step from `u` that minimises a quadratic and keeps the limits. None where the matrix is singular.
 #[must_use]
-pub fn step_within(
+pub(crate) fn step_within(
     matrix: &DMatrix<f64>,
     gradient: &DVector<f64>,
     limits: &[Limit],

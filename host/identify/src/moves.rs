@@ -32,10 +32,10 @@ pub type Strokes = &'static [(i32, f64)];
 pub type Test = (&'static str, f64, Strokes);
 
 /// Whether the drive moves in the direction of the valve.
-pub const MOVEMENT: Test = ("movement", 0.04, &[(960, 0.15)]);
+pub(crate) const MOVEMENT: Test = ("movement", 0.04, &[(960, 0.15)]);
 
 /// How fast it gets, and how soon.
-pub const DYNAMIC: Test = ("dynamic", 0.04, &[(drive::MAX_COUNTS as i32, 0.9)]);
+pub(crate) const DYNAMIC: Test = ("dynamic", 0.04, &[(drive::MAX_COUNTS as i32, 0.9)]);
 
 /// What is fitted.
 pub const FITTED: [Test; 6] = [

@@ -136,7 +136,7 @@ impl Parameter {
     /// A key that is searched by the difference from the rig's value, in parts of `size` and not below `least`, both in
     /// its unit, and about which next to nothing is assumed. None where it is no number of the rig.
     #[must_use]
-    pub fn by_difference(rig: &Rig, path: &str, size: f64, least: f64) -> Option<Parameter> {
+    pub(crate) fn by_difference(rig: &Rig, path: &str, size: f64, least: f64) -> Option<Parameter> {
         let key = find_key(path)?;
         let Kind::Number { min, max } = key.kind else { return None };
         let scale = Scale::Difference(size.abs());

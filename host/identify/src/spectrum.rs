@@ -203,13 +203,13 @@ impl Spectrum {
 
     /// Whether all that remains is noise; not where nothing can be judged.
     #[must_use]
-    pub fn is_noise(&self) -> bool {
+    pub(crate) fn is_noise(&self) -> bool {
         self.is_testable() && !self.is_more_than_noise()
     }
 
     /// Whether more than noise remains; not where nothing can be judged.
     #[must_use]
-    pub fn is_more_than_noise(&self) -> bool {
+    pub(crate) fn is_more_than_noise(&self) -> bool {
         self.loudest().is_some_and(|band| band.chance * (self.bands.len() as f64) < CHANCE)
     }
 
@@ -222,7 +222,7 @@ impl Spectrum {
 
     /// The band that noise explains least.
     #[must_use]
-    pub fn loudest(&self) -> Option<&Band> {
+    pub(crate) fn loudest(&self) -> Option<&Band> {
         let order = |a: &&Band, b: &&Band| a.chance.total_cmp(&b.chance).then(b.ratio.total_cmp(&a.ratio));
         self.bands.iter().min_by(order)
     }

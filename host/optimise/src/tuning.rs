@@ -156,7 +156,7 @@ pub struct Tuned {
 impl Tuned {
     /// Whether other gains than the file's were found.
     #[must_use]
-    pub fn is_changed(&self) -> bool {
+    pub(crate) fn is_changed(&self) -> bool {
         !self.after.settings.is_empty()
     }
 }

@@ -43,7 +43,7 @@ impl HttpRefusal {
 
     /// Why work has no result: its page waits for it no more, or what `otherwise` says.
     #[must_use]
-    pub fn gone_or(
+    pub(crate) fn gone_or(
         error: &anyhow::Error,
         otherwise: impl FnOnce(&anyhow::Error) -> HttpRefusal,
     ) -> HttpRefusal {

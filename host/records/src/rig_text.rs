@@ -122,7 +122,7 @@ fn other_spellings(table: &dyn TableLike, name: &str) -> Vec<String> {
 ///
 /// # Errors
 /// When a rig file cannot have such a value.
-pub fn of_keys(keys: &serde_json::Map<String, serde_json::Value>) -> Result<String> {
+pub(crate) fn of_keys(keys: &serde_json::Map<String, serde_json::Value>) -> Result<String> {
     let mut document = DocumentMut::new();
     // Top-level keys stand before all tables.
     let (of_tables, of_top): (Vec<_>, Vec<_>) = keys.iter().partition(|(path, _)| path.contains('.'));

@@ -75,7 +75,7 @@ fn write(file: &mut File, pieces: &[&[u8]]) -> io::Result<()> {
 ///
 /// # Errors
 /// When the disk does not accept it.
-pub fn write_new(path: &Path, pieces: &[&[u8]]) -> io::Result<()> {
+pub(crate) fn write_new(path: &Path, pieces: &[&[u8]]) -> io::Result<()> {
     // A file of this name is of an earlier program with our number, or a trap: a link is not followed.
     let _ = fs::remove_file(path);
     let mut file = File::create_new(path)?;

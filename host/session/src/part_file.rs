@@ -91,7 +91,7 @@ impl PartFile {
     ///
     /// # Errors
     /// When the disk does not take it.
-    pub fn keep_on_disk(&self) -> Result<()> {
+    pub(crate) fn keep_on_disk(&self) -> Result<()> {
         self.file.sync_all().with_context(|| format!("cannot write {}", self.path.display()))?;
         self.path.parent().into_iter().for_each(sync_folder);
         Ok(())

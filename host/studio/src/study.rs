@@ -37,7 +37,7 @@ struct StudySlot {
 }
 
 /// The routes of studies.
-pub fn routes() -> Router {
+pub(crate) fn routes() -> Router {
     Router::new()
         .route("/api/choices", get(|| async { Json(choices()) }))
         .route("/api/study", post(begin))

@@ -70,7 +70,7 @@ pub fn bound(rig: &Rig, step_mm: f64, extends: bool) -> Result<Option<Bound>> {
 ///
 /// # Errors
 /// When it cannot be simulated, or is too much for the drive.
-pub fn bound_of(rig: &Rig, steps: Steps) -> Result<Option<Bound>> {
+pub(crate) fn bound_of(rig: &Rig, steps: Steps) -> Result<Option<Bound>> {
     if steps.from == steps.to {
         return Ok(None);
     }

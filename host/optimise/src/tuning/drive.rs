@@ -191,7 +191,7 @@ impl TunedDrive<'_> {
 
     /// A candidate of the last generation, or the gains of the file, on the draws of the search and on the perturbed
     /// runs of the file's rig.
-    pub fn finalist(&self, shares: Option<&[f64]>, tuned_on: &[Variant], meter: &mut Meter) -> Found {
+    pub(crate) fn finalist(&self, shares: Option<&[f64]>, tuned_on: &[Variant], meter: &mut Meter) -> Found {
         let settings = shares.map_or_else(Vec::new, |shares| self.space.settings(shares));
         let places = shares.map_or_else(Vec::new, |shares| self.space.places(shares));
         let performances = self.judged(&settings, tuned_on, meter);

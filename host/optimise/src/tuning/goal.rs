@@ -33,7 +33,7 @@ pub struct Goal {
 impl Goal {
     /// In how many of these trials it is met.
     #[must_use]
-    pub fn met_in(&self, trials: &[Performance]) -> Proportion {
+    pub(crate) fn met_in(&self, trials: &[Performance]) -> Proportion {
         Proportion { met: trials.iter().filter(|trial| trial.meets(self)).count(), of: trials.len() }
     }
 }
@@ -111,7 +111,7 @@ impl Performance {
 
     /// How far it is from the goal, s.
     #[must_use]
-    pub fn distance_s(&self, goal: &Goal) -> f64 {
+    pub(crate) fn distance_s(&self, goal: &Goal) -> f64 {
         if !self.failure.is_empty() {
             return FAILED;
         }

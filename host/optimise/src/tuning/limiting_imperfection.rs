@@ -69,7 +69,7 @@ pub struct LimitingImperfection {
 
 /// The possible causes on a rig.
 #[must_use]
-pub fn suspects(rig: &Rig) -> Vec<Suspect> {
+pub(crate) fn suspects(rig: &Rig) -> Vec<Suspect> {
     [of_operator(rig), of_valve(rig), of_load(rig), of_sampling(rig)].concat()
 }
 

@@ -132,7 +132,7 @@ const DRAWS: usize = 20;
 /// spread and of places, in alternating directions. Corners alone would be a different drive from the one that the
 /// gains are judged on: they are its rarest and worst.
 #[must_use]
-pub fn tuned_on(spread: &Relative, seed: u64) -> Vec<Variant> {
+pub(crate) fn tuned_on(spread: &Relative, seed: u64) -> Vec<Variant> {
     let mut random = stream(seed, TUNED_ON);
     let mut share = || unit_interval(&mut random);
     let [load, friction, supply, place] = [(); 4].map(|()| strata(DRAWS, &mut share));

@@ -24,7 +24,7 @@ pub struct AtPlace {
 ///
 /// # Errors
 /// When it cannot be simulated.
-pub fn along_the_stroke(task: &Task, tuned: &Tuned) -> Result<Vec<AtPlace>> {
+pub(crate) fn along_the_stroke(task: &Task, tuned: &Tuned) -> Result<Vec<AtPlace>> {
     let trial = Trial::of(task, &[])?;
     let mut steps: Vec<AtPlace> = Vec::new();
     for place in PLACES {

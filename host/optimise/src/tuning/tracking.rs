@@ -62,7 +62,7 @@ pub struct Tracked {
 ///
 /// # Errors
 /// When they cannot be simulated.
-pub fn tracked(
+pub(crate) fn tracked(
     task: &Task,
     tuned: &Tuned,
     mut progress: impl FnMut(Progress) + Send,
@@ -129,7 +129,7 @@ fn gains(trial: &Trial, tuned: &Tuned) -> Result<Vec<(Gains, Vec<String>)>> {
 
 /// Whether a rig's law adds the setpoint's own motion.
 #[must_use]
-pub fn feeds_forward(rig: &Rig) -> bool {
+pub(crate) fn feeds_forward(rig: &Rig) -> bool {
     rig.get(&keys::controller::VELOCITY_FEED_FORWARD) != 0
         || rig.get(&keys::controller::ACCELERATION_FEED_FORWARD) != 0
 }

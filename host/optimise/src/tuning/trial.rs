@@ -156,7 +156,7 @@ impl Trial {
     ///
     /// # Errors
     /// When it cannot be simulated.
-    pub fn members_of(&self, gains: &[String], variant: &Variant) -> Result<Vec<Performance>> {
+    pub(crate) fn members_of(&self, gains: &[String], variant: &Variant) -> Result<Vec<Performance>> {
         let rig = self.rig_of(gains, variant)?;
         let runs = Trial::measure_members(&rig, |rig, run| self.measured(rig, run))?;
         let performance = |(_, moves): (Transient, Vec<Move>)| self.performance(&moves);

@@ -71,7 +71,7 @@ impl Sine {
 
     /// From when until when it is measured, s.
     #[must_use]
-    pub fn measured_s(&self) -> [f64; 2] {
+    pub(crate) fn measured_s(&self) -> [f64; 2] {
         [LEFT_OUT, SWINGS].map(|swings| self.begins_s + f64::from(swings) / self.frequency_hz)
     }
 
