@@ -30,10 +30,10 @@ mod sums;
 mod version;
 mod wheel;
 
-/// What is asked for beside the files.
+/// The options of a release.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Extras {
-    /// Make all of it twice, and compare the bytes.
+    /// Make the release twice, and compare the bytes.
     pub twice: bool,
     /// Date the changelog before, in a commit of its own, and tag that commit once all is made.
     pub tag: bool,
@@ -56,7 +56,8 @@ pub fn make(tally: &mut Tally, out: Option<PathBuf>, extras: Extras) {
     }
 }
 
-/// That the version is one everywhere, and that each library can be packaged: what can be said of a release in seconds.
+/// Checks that all files state the same version, and that each library can be packaged: the checks of a release that take
+/// seconds.
 pub fn check(tally: &mut Tally) {
     tally.check("packages of the libraries", || {
         version::check()?;

@@ -165,7 +165,7 @@ pub fn broken(map: &Map, uses: &Uses, workspaces: &BTreeSet<String>) -> Vec<Stri
     broken
 }
 
-/// What is said and not so, and what is so and not said.
+/// What the document says and is not so, and what is so and the document does not say.
 fn differing(what: &str, said: &BTreeSet<String>, is: &BTreeSet<String>) -> Option<String> {
     let list = |names: Vec<&String>| names.into_iter().map(String::as_str).collect::<Vec<_>>().join(", ");
     let (over, under) = (list(said.difference(is).collect()), list(is.difference(said).collect()));

@@ -38,7 +38,7 @@ struct Model {
     file: String,
 }
 
-/// What names a model outside of its file, in all crates of these folders.
+/// Where a model is named outside of its file, in all crates of these folders.
 ///
 /// # Errors
 /// When a source cannot be read, or a list is not found.
