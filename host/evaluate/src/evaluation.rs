@@ -81,7 +81,7 @@ pub struct Move {
     pub range_mm: f64,
     /// How the drive follows its profile; None of a step, and in open loop.
     pub tracking: Option<Tracking>,
-    /// Whether it ends in a limit cycle.
+    /// The verdict on whether it ends in a limit cycle.
     pub limit_cycle: LimitCycle,
     /// Top speed, mm/s.
     pub top_speed_mm_s: f64,

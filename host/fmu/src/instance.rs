@@ -38,7 +38,7 @@ pub struct Instance {
 struct Fixed {
     part: Part,
     rig: Rig,
-    /// In the order of their references.
+    /// Variables in the order of their references.
     variables: Vec<Variable>,
     period_s: f64,
 }
@@ -47,16 +47,16 @@ struct Fixed {
 #[derive(Clone, Debug)]
 struct Now {
     phase: Phase,
-    /// Of each parameter that was set, by its reference.
+    /// The parameters that were set, by reference.
     parameters: BTreeMap<u32, Value>,
     inputs: Vec<Value>,
     model: Option<Built>,
     /// Parameters were set since the model was built, or tuned last.
     untuned: bool,
-    /// Of the model, once they were asked for.
+    /// The outputs of the model, once they were requested.
     outputs: Option<Vec<Value>>,
     start_time: f64,
-    /// Samples since then.
+    /// Samples since the start time.
     k: u64,
     /// Time since the present sample, s.
     past: f64,

@@ -52,7 +52,7 @@ pub(super) const LEVELLING_ERROR_DEG: f64 = 2.0;
 /// An incline that would explain how friction differs from the file's, degrees.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Incline {
-    /// Positive where extension goes up.
+    /// The angle, degrees; positive where extension goes up.
     pub degrees: f64,
     /// Ends of its 95 % interval.
     pub interval: [f64; 2],

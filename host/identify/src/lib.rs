@@ -116,18 +116,19 @@ const AT_LIMIT: f64 = 1e-6;
 pub struct Estimate {
     /// The parameter, with the file's value.
     pub parameter: Parameter,
-    /// In the unit of the key.
+    /// The estimate, in the unit of the key.
     pub value: f64,
-    /// In the unit of the key.
+    /// Its standard error, in the unit of the key.
     pub standard_error: f64,
     /// Ends of the 95 % interval, in the unit of the key; where the model does not explain the data, moved apart by what a
     /// model error as large as the residuals can do.
     pub interval: [f64; 2],
-    /// That, in the unit of the key; 0 where the model explains the data.
+    /// By how much a model error as large as the residuals can move the estimate, in the unit of the key; 0 where the model
+    /// explains the data.
     pub by_misfit: f64,
-    /// Part of the squared standard error that what is assumed makes; the rest is noise.
+    /// Part of the squared standard error that the priors make; the rest is noise.
     pub assumed: f64,
-    /// Whose priors these are, the largest part first, where they make the larger part.
+    /// The priors that make it, the largest part first, where the priors make the larger part.
     pub rests_on: Vec<Share>,
     /// What would make it better known, where it rests on priors.
     pub given: Option<Given>,
@@ -156,7 +157,7 @@ pub struct Given {
 /// A parameter that the data do not show.
 #[derive(Clone, Debug)]
 pub struct Unseen {
-    /// With the file's value.
+    /// The parameter, with the file's value.
     pub parameter: Parameter,
     /// The value of the fitted rig: the file's, shifted by the little that the data show.
     pub value: f64,
@@ -195,7 +196,7 @@ impl ChannelFit {
 pub struct Identification {
     /// The parameters that the data show, in the requested order.
     pub estimates: Vec<Estimate>,
-    /// Those that they do not.
+    /// The parameters that the data do not show.
     pub unseen: Vec<Unseen>,
     /// What is assumed of keys that are not fitted.
     pub assumed: Vec<Parameter>,
@@ -219,7 +220,7 @@ pub struct Identification {
     pub calibration: Vec<Calibrated>,
     /// What would explain the residuals, where these are more than noise.
     pub causes: Causes,
-    /// Whether the search for another minimum or a cause was cut, as it had become too long.
+    /// Whether the search for another minimum or a cause was ended early because it had spent its budget.
     pub cut: bool,
     /// Whether the search converged and what remains is noise: else the model does not explain the data, another minimum
     /// does better, or the samples are too few to tell ([`Spectrum::is_testable`]).
@@ -293,7 +294,7 @@ impl FittedModel<'_> {
         self.limits().iter().any(|limit| limit.has(parameter) && limit.room(u) < AT_LIMIT)
     }
 
-    /// Takes away the parameters that no sample depends on.
+    /// Removes the parameters that no sample depends on.
     fn leave_out_what_nothing_depends_on(&mut self, at: &DVector<f64>) -> Vec<Unseen> {
         let columns = self.columns(&vec![0.0; self.unknowns()], at, 0..self.parameters.len());
         let shows = |i: usize| columns[i].as_ref().is_none_or(|c| self.prior(i) * c.rows.norm() > NOTHING);

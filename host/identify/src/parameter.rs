@@ -41,7 +41,7 @@ const LOGARITHMS: [(&str, f64); 4] = [
     (keys::test::PRESSURE_2_PA.key.path, 0.1),
 ];
 
-/// The same of what is known to a factor of two.
+/// The same for a quantity that is known to a factor of two.
 const VAGUE: f64 = 0.7;
 
 /// Prior standard deviation of any other logarithm.
@@ -70,7 +70,7 @@ enum Scale {
 /// A key that is fitted.
 #[derive(Clone, Debug)]
 pub struct Parameter {
-    /// The key.
+    /// Its path in the rig file, such as `load.mass_kg`.
     pub key: &'static Key,
     /// The file's value, in the unit of the key.
     pub start: f64,
@@ -190,7 +190,7 @@ impl Parameter {
         .clamp(min, max)
     }
 
-    /// u of a value; infinite for the logarithm of 0.
+    /// u at a value; minus infinity for the logarithm of 0.
     #[must_use]
     pub fn u(&self, value: f64) -> f64 {
         match self.scale {

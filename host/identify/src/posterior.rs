@@ -81,7 +81,7 @@ impl Posterior {
         Posterior { covariance: 0.5 * (&covariance + covariance.transpose()), by_prior, inverse, priors }
     }
 
-    /// Of an unknown, in u.
+    /// Standard error of an unknown, in u.
     #[must_use]
     pub fn standard_error(&self, i: usize) -> f64 {
         self.covariance[(i, i)].max(0.0).sqrt()

@@ -75,7 +75,7 @@ pub struct Channel {
     pub offset: f64,
     /// SI per count.
     pub scale: f64,
-    /// What the rest at its beginning tells of the noise.
+    /// The noise that the rest at its beginning shows.
     pub rest: Rest,
 }
 
@@ -91,13 +91,13 @@ pub struct Rest {
 /// A record.
 #[derive(Clone, Debug)]
 pub struct Recording {
-    /// Where it comes from.
+    /// Where it comes from, for messages.
     pub name: String,
     /// When its samples were taken and its commands driven.
     pub timing: Timing,
-    /// Command by command.
+    /// The commands, one for each sample.
     pub commands: Vec<Command>,
-    /// In the order of [`CHANNELS`].
+    /// The channels, in the order of [`CHANNELS`].
     pub channels: [Channel; CHANNELS.len()],
     /// Position, m, and pressures, Pa, of the first sample.
     pub start: [f64; STARTS],

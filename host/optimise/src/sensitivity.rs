@@ -22,9 +22,9 @@ pub(crate) const PHYSICAL: [&str; 7] =
 /// The effect of a value on the transient of the test.
 #[derive(Clone, Debug)]
 pub struct Effect {
-    /// Whose value it is.
+    /// The key of the value.
     pub key: &'static Key,
-    /// Where that comes from.
+    /// The origin of the value.
     pub origin: Origin,
     /// The values that were tried, in the unit of the key.
     pub ends: [f64; 2],

@@ -54,7 +54,7 @@ fn gains(law: Law) -> Vec<&'static Key> {
     }
 }
 
-/// The place of a key among them, from 0, under each law by its word; none where it is not among them.
+/// The rank of a key in that list, from 0, for each law by name; a law whose list lacks the key is left out.
 #[must_use]
 pub fn places(key: &Key) -> Value {
     let place =
@@ -70,7 +70,7 @@ mod tests {
 
     use crate::press;
 
-    /// A key that has no effect would not be shown at all.
+    /// The page does not show a key that has no effect.
     #[test]
     fn each_law_has_ten_keys_at_most_and_uses_nearly_all_of_them() {
         let press = Rig::read("press.toml", &press::text()).expect("a rig");

@@ -124,7 +124,7 @@ impl Drop for Staged {
     }
 }
 
-/// Removes the files that programs which are gone have staged for a file.
+/// Removes the files that programs have staged for this one and that no longer run.
 fn remove_leftovers(folder: &Path, prefix: &str) {
     let number = |name: &str| name.strip_prefix(prefix)?.strip_suffix(ENDING)?.parse::<u32>().ok();
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {

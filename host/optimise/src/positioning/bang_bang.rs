@@ -51,9 +51,9 @@ pub struct Bound {
 /// The end of a motion: when the piston stands for the first time, and how far it has come.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stop {
-    /// s.
+    /// Time, s.
     pub at_s: f64,
-    /// In the direction of the step, m.
+    /// Travel in the direction of the step, m.
     pub way_m: f64,
 }
 

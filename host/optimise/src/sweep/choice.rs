@@ -5,7 +5,7 @@ use super::{Row, Sweep};
 /// The criterion by which a point is better than another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Objective {
-    /// Place of its metric.
+    /// Index of its metric.
     pub metric: usize,
     /// Whether more is better.
     pub most: bool,
@@ -14,11 +14,11 @@ pub struct Objective {
 /// The bounds on the size of a metric.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bound {
-    /// Place of the metric.
+    /// Index of the metric.
     pub metric: usize,
-    /// At least.
+    /// Lower bound.
     pub min: f64,
-    /// At most.
+    /// Upper bound.
     pub max: f64,
 }
 

@@ -22,10 +22,10 @@ use pneudrive_sim::keys;
 
 use super::design_variable::{self, DesignVariable};
 
-/// Gains of a profile that are less than this apart are one.
+/// Gains of a profile that differ by less than this are equal.
 const ALIKE: f64 = 1.02;
 
-/// Most that a gain can be.
+/// Largest gain.
 const MAX_GAIN: f64 = 65_535.0;
 
 const PROFILE: &str = keys::controller::GAIN_PROFILE.key.path;

@@ -8,13 +8,13 @@ use super::{Performance, Task, Tuned, Variant};
 /// Parts of the way that the drive has besides the step.
 const PLACES: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
 
-/// Runs that it takes at most.
+/// The largest number of runs that it takes.
 pub(super) const RUNS: usize = PLACES.len() * MEMBERS;
 
-/// The step at a place.
+/// The step at one position of the stroke.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AtPlace {
-    /// From where to where it goes, and back, mm.
+    /// Begin and end of the step, and back, mm.
     pub ends_mm: [f64; 2],
     /// On the rig of the file, first, and on its perturbed runs.
     pub runs: Vec<Performance>,

@@ -25,13 +25,13 @@ use pneudrive_evaluate::cancel::{CancelToken, Cancelled};
 use pneudrive_evaluate::parallel;
 use sine::Sine;
 
-/// Of the sines.
+/// Frequencies of the sines, Hz.
 pub const FREQUENCIES_HZ: [f64; 2] = [0.5, 1.0];
 
 /// This many of the fresh draws are used.
 const DRAWS: usize = 20;
 
-/// With which gains a sine is followed.
+/// The gains with which a sine is followed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Gains {
     /// The file's gains.
@@ -51,9 +51,9 @@ pub struct Tracked {
     pub gains: Gains,
     /// The gains as `key=value`, if they are not the file's.
     pub settings: Vec<String>,
-    /// On the rig of the file, first, and on its perturbed runs; of a run that did not come to its end, why.
+    /// The errors on the rig of the file, first, and on its perturbed runs; for a run that did not complete, the reason.
     pub runs: Vec<Result<Following, String>>,
-    /// On fresh draws.
+    /// The errors on fresh draws.
     pub draws: Vec<Result<Following, String>>,
 }
 

@@ -73,9 +73,9 @@ struct StepRange {
 
 /// The task of a drive on a rig.
 pub(super) struct TaskMoves {
-    /// As `key=value`.
+    /// Settings, as `key=value`.
     pub moves: String,
-    /// How long it takes, s.
+    /// Duration of the test, s.
     pub duration_s: f64,
     /// The first setpoint, counts. It starts half a count beside it, since a start on the edge of a count is ill-defined.
     pub from: i64,

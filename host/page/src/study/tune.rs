@@ -30,7 +30,7 @@ pub struct TuneRequest {
 pub struct Goal {
     /// Size of the step, mm.
     step_mm: f64,
-    /// The drive has settled within this distance of its setpoint, mm; none: `test.tolerance_mm` of the rig.
+    /// The drive has settled within this distance of its setpoint, mm; without it, `test.tolerance_mm` of the rig.
     settled_mm: Option<f64>,
     /// Largest overshoot allowed, % of the step.
     overshoot_percent: f64,
@@ -47,10 +47,10 @@ pub struct Goal {
     valve_percent: f64,
     /// Number of draws on which the gains are judged.
     draws: usize,
-    /// Candidates per generation; without it as many as the command takes for the law of the rig.
+    /// Candidates per generation; without it, the default of the command for the rig's law.
     #[serde(default)]
     population: Option<usize>,
-    /// Generations; without it as many as the command takes for the law of the rig.
+    /// Generations; without it, the default of the command for the rig's law.
     #[serde(default)]
     generations: Option<usize>,
 }

@@ -39,7 +39,7 @@ impl fmt::Display for Numbered {
 }
 
 impl Numbered {
-    /// Of the next run in a folder.
+    /// The identity of the next run in a folder.
     ///
     /// # Errors
     /// As [`refuse_other_rig`], and when `SOURCE_DATE_EPOCH` is not a time.
@@ -53,7 +53,7 @@ impl Numbered {
         Ok(Numbered { run: before.saturating_add(1), date: date(std::env::var(EPOCH).ok())? })
     }
 
-    /// From the description of a run; None if it lacks them.
+    /// The identity in the description of a run; None if the description lacks it.
     pub(super) fn of(description: &serde_json::Value) -> Option<Numbered> {
         Some(Numbered { run: description["run"].as_u64()?, date: description["date"].as_str()?.to_owned() })
     }

@@ -24,7 +24,7 @@ pub(super) const ABOUT: &str = "pressures of blocked ports over the spool, by su
 const HALF_WIDTH: f64 = 0.1;
 const INTERVALS: usize = 20;
 
-/// Slope are taken over this part of the travel to either side.
+/// Slopes are taken over this part of the travel to either side.
 const SLOPE_OVER: f64 = 1e-3;
 
 /// Resolution of the gauges, Pa.
@@ -33,9 +33,9 @@ const READING_PA: f64 = 1e3;
 /// A blocked-port test: spool positions (m) and the pressures (Pa) read there.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Readings {
-    /// m.
+    /// Spool positions, m.
     pub spool: Vec<f64>,
-    /// Pa, of ports 1 and 2.
+    /// Pressures of ports 1 and 2, Pa.
     pub pressures: Vec<[f64; 2]>,
 }
 
