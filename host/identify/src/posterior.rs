@@ -122,12 +122,6 @@ impl Posterior {
         parts
     }
 
-    /// The step of the unknowns towards the minimum with all of them free, for the gradient J' r.
-    #[must_use]
-    pub fn shift(&self, gradient: &DVector<f64>) -> DVector<f64> {
-        -(&self.inverse * gradient)
-    }
-
     /// Correlation of the errors of the first `n` unknowns.
     #[must_use]
     pub fn correlation(&self, n: usize) -> DMatrix<f64> {

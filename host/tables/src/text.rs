@@ -24,7 +24,7 @@ pub fn utf8(bytes: &[u8]) -> Result<String, Problem> {
 
 /// The same of a text that came as UTF-8: without its byte order mark.
 #[must_use]
-pub fn without_mark(text: &str) -> &str {
+fn without_mark(text: &str) -> &str {
     text.strip_prefix('\u{feff}').unwrap_or(text)
 }
 
