@@ -26,7 +26,7 @@
 //! - **Errors of calibration**, of scales and offsets of the sensors and of the clock, are unknowns of every fit within the
 //!   tolerances that the rig file has ([`calibration`]).
 //! - **What the data do not show** stays as uncertain as the prior says, and with it whatever depends on it: intervals
-//!   carry both ([`posterior`]). What no sample depends on is not fitted.
+//!   carry both (`posterior`). What no sample depends on is not fitted.
 //!
 //! docs/howto/identification.md has the proof: how often the intervals hold what a virtual rig hides.
 //!
@@ -70,7 +70,7 @@ mod model;
 pub mod moves;
 pub mod parameter;
 pub mod plan;
-pub mod posterior;
+mod posterior;
 pub mod recording;
 pub mod regression;
 pub mod report;
