@@ -190,7 +190,7 @@ impl Instance {
     pub fn step(&mut self, time: f64, step: f64) -> Result<()> {
         self.require(&[Phase::Stepping], "stepped")?;
         let period_s = self.fixed.period_s;
-        // Times are sums of steps, and steps are differences of times. Each has lost digits there.
+        // Times are sums of steps, and steps are differences of times: both have lost digits.
         let lost = lost_at(self.time());
         let is_present = (time - self.time()).abs() <= 1e-3 * period_s + lost;
         if !is_present {

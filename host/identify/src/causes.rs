@@ -163,7 +163,7 @@ pub(super) fn explain(
             fits.extend(Fit::by_secants(Origin { model, without: found, trial }));
         }
     }
-    // Those that secants do not make better than no effect stay in the order of what they promise.
+    // Effects that the secants do not make better than none stay in the order of their promised gains.
     let without = found.minimum.residuals.norm_squared();
     let order = |a: &Fit, b: &Fit| a.cost().min(without).total_cmp(&b.cost().min(without));
     while !fits.iter().any(Fit::leaves_noise) && !model.budget.is_spent() {

@@ -148,7 +148,7 @@ impl Figures {
         };
         let both = |of: &dyn Fn(&Instant) -> f64| [most(of, 1.0), most(of, -1.0)];
         Figures {
-            // The record that tells it best: the force rises slowest.
+            // The most exact record: the one whose force rises slowest.
             stiction: [1.0, -1.0].map(|sign| {
                 let sharp = of_direction(sign).filter(|one| !one.yields).map(|one| one.force);
                 sharp.min_by(|a, b| a.error.total_cmp(&b.error))
@@ -270,7 +270,7 @@ fn breakaways(forces: &Forces, weight: Figure, recording: &Recording) -> Vec<Bre
         if left.abs() < MOVED {
             continue;
         }
-        // It stood until the last sample with the count of the rest.
+        // It was at rest until the last sample with the count of the rest.
         let until = (rest..k).rev().find(|&i| counts[i] == counts[rest]).unwrap_or(rest);
         if until - rest >= REST {
             let direction = left.signum();

@@ -337,7 +337,7 @@ fn finished(
         correlation: DMatrix::from_fn(seen.len(), seen.len(), |i, j| correlation[(seen[i], seen[j])]),
         estimates: seen.into_iter().map(|i| posterior.estimate(model, u, i, misfit)).collect(),
         assumed: posterior.assumed.clone(),
-        // Friction that cannot make up for an incline tells a wrong one.
+        // Friction that cannot compensate an incline would suggest a wrong one.
         incline: posterior.incline.filter(|_| fits),
         at_limits: model.parameters_where(|i| model.is_at_limit(u, i)),
         far_off: model

@@ -39,7 +39,7 @@ impl Signals {
     pub fn read(path: &Path) -> Result<Signals> {
         let mut signals = match path.is_dir() {
             true => Signals::of_run(StoredRun::read(path)?),
-            // A transient refuses a part of a run folder.
+            // A transient cannot be made from a part of a run folder.
             false => Signals::of_record(&Transient::read(path)?, &TargetFile::read(path)?)?,
         };
         let units = signals.signals.iter().map(|signal| {

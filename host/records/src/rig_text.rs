@@ -88,7 +88,7 @@ pub fn put(document: &mut DocumentMut, path: &str, item: Item) {
     };
     let table = document.entry(table).or_insert(Item::Table(Table::new()));
     if let Some(inline) = table.as_inline_table() {
-        // A comment in its braces would take the rest of the line with it.
+        // A comment inside the braces would comment out the rest of the line.
         *table = Item::Table(inline.clone().into_table());
     }
     if let Some(table) = table.as_table_like_mut() {

@@ -27,7 +27,7 @@ pub(crate) fn read_own(path: &Path) -> Result<String> {
 #[must_use]
 pub(crate) fn as_written(text: &str) -> String {
     let mut text = text.replace("\r\n", "\n");
-    // More than one CR, as repeated conversions leave.
+    // Repeated conversions leave more than one CR.
     while text.contains("\r\n") {
         text = text.replace("\r\n", "\n");
     }

@@ -51,7 +51,7 @@ impl PartFile {
         }
         let mut part = PartFile { path, file };
         match pieces {
-            // Ends a frame that was cut.
+            // Terminates a frame that was cut.
             Some(_) => part.append(&[DELIMITER])?,
             None => {
                 part.add(&who(info))?;

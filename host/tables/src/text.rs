@@ -72,7 +72,7 @@ fn narrow(bytes: &[u8]) -> Result<String, Problem> {
 fn not_utf8(bytes: &[u8], place: usize) -> Problem {
     let line = line_of(bytes, place);
     let byte = bytes.get(place).copied().unwrap_or_default();
-    // Control characters stand in no text of one byte a character.
+    // Text with one byte per character contains no control characters.
     let is_text = bytes.iter().all(|byte| !matches!(byte, 0..=8 | 14..=31));
     Problem::new(if is_text {
         format!(

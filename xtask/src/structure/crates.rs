@@ -45,7 +45,7 @@ impl Map {
     /// # Errors
     /// When there is none, or a line of it is not of its form.
     pub fn read(text: &str) -> Result<Map> {
-        // A line that begins with a space goes on with what the one before says.
+        // A line that begins with a space continues the one before.
         let first = |line: &str| line.split(' ').next().filter(|name| !name.is_empty()).map(str::to_owned);
         let crates = block(text, "## The map")?.lines().filter_map(first).collect();
         let uses = block(text, "Who uses whom")?.lines().map(arrows).collect::<Result<_>>()?;

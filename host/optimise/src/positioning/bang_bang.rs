@@ -116,7 +116,7 @@ fn open_loop(rig: &Rig) -> Result<Rig> {
     if rig.get(&keys::operator::MODEL).is_solenoid() {
         settings.push(format!("{}=0.0", keys::dither::DITHER_MM.path));
     }
-    // Moves of a closed loop are none of an open one.
+    // The moves of a closed loop mean nothing in an open one.
     settings.push("test.moves=[[0.0, 0]]".to_owned());
     Ok(rig.without_events().with_settings(&settings)?)
 }

@@ -31,7 +31,7 @@ fn sentence(rig: &Rig, one: &Move, bounds: &mut BTreeMap<[i64; 2], Option<Bound>
     let ends = [one.from_mm, to_mm].map(|mm| (mm / mm_per_count(rig)).round() as i64);
     if !bounds.contains_key(&ends) && bounds.len() < MOST {
         let [from, to] = ends;
-        // A drive that the valve cannot move as far has none.
+        // A step that the valve cannot make has no bound.
         bounds.insert(ends, bound_of(rig, Steps { from, to }).ok().flatten());
     }
     let Bound { time_s, .. } = (*bounds.get(&ends)?)?;

@@ -96,7 +96,7 @@ impl TuneRequest {
         };
         let most = task.max_runs().map_err(impossible)?;
         let runs = tune(&task.taste(), |_| {}, cancel).map_err(impossible)?.runs;
-        // The time since the page has asked, times `all` over `done`, is how long it takes at most.
+        // The page multiplies the elapsed time by `all` / `done`: the result is an upper bound on the whole time.
         let all = most as f64 + behaviour::steps_worth(&task);
         (audience.hears)(json!({ "what": "taste", "done": runs, "all": all }));
         let mut meter = Meter::new(audience.hears);

@@ -44,7 +44,7 @@ impl Numbered {
     /// # Errors
     /// As [`refuse_other_rig`], and when `SOURCE_DATE_EPOCH` is not a time.
     pub(super) fn next(folder: &Path, rig: &Rig, existing: Existing) -> Result<Numbered> {
-        // A run that a killed program has left counts as the last one.
+        // A run that a killed program left behind counts as the last one.
         if let Some(said) = settle(folder)? {
             log::info!("{said}");
         }
