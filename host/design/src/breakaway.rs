@@ -7,9 +7,9 @@
 //! no-motion time = 0.25 s + 2 t, from 0.5 to 10 s  t: the longest over both directions, three places and all levels of pressure
 //! ```
 //!
-//! The load rests under the least force that its friction allows, and has to go under the largest. For a chamber alone, a choked flow
-//! fills it at a constant rate, so that t is (P - P_0) V/(n R T C rho_0 P_s); a test holds that. Twice that leaves room for friction
-//! that is more, and a valve that is less, than the file says.
+//! The load rests under the least force that its friction allows, and has to go under the largest. For a chamber alone, a
+//! choked flow fills it at a constant rate, so that t is (P - P_0) V/(n R T C rho_0 P_s); a test holds that. Twice that
+//! leaves room for friction that is more, and a valve that is less, than the file says.
 
 use pneudrive_sim::component::actuator::Actuator;
 use pneudrive_sim::component::gas::Gas;

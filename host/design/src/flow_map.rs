@@ -3,7 +3,8 @@
 
 use pneudrive_tables::{Problem, Table};
 
-/// A measured flow: spool (% of its travel), pressures in front and behind (kPa, absolute), flow and its standard deviation (l/min).
+/// A measured flow: spool (% of its travel), pressures in front and behind (kPa, absolute), flow and its standard deviation
+/// (l/min).
 pub type Row = [f64; 5];
 
 /// Names of the columns; of the first one either will do.

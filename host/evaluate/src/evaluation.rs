@@ -144,7 +144,8 @@ pub fn moves_of_run(rig: &Rig, run: &Run) -> Vec<Move> {
     moves(&transient, &Motion::of(&transient), Some(&Chambers::of(rig)), tolerance_mm(Some(rig)))
 }
 
-/// Distance from its setpoint within which a move has settled, mm: that of the rig, or the usual one of a transient without a rig.
+/// Distance from its setpoint within which a move has settled, mm: that of the rig, or the usual one of a transient without a
+/// rig.
 #[must_use]
 pub fn tolerance_mm(rig: Option<&Rig>) -> f64 {
     rig.map_or(USUAL_TOLERANCE_MM, |rig| rig.get(&keys::test::TOLERANCE_MM))

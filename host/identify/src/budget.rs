@@ -13,8 +13,8 @@ const ALL: u64 = 4000;
 /// The same, to end at a minimum that is known to be near.
 const MORE: u64 = 1500;
 
-/// Evaluations altogether. One takes 0.20 to 0.24 us of processor time, with all that is done with it. What has begun is finished, up
-/// to a tenth more, so a search ends within a minute of one core.
+/// Evaluations altogether. One takes 0.20 to 0.24 us of processor time, with all that is done with it. What has begun is
+/// finished, up to a tenth more, so a search ends within a minute of one core.
 const MAX_EVALUATIONS: u64 = 225_000_000;
 
 /// Evaluations of a run for each of its samples: a hundred times what they take where the model is near the rig.

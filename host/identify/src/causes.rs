@@ -9,9 +9,9 @@
 //! ```
 //!
 //! A gain that noise hardly makes is a misfit of its own, even where all residuals together pass for noise: what is looked
-//! for is one shape. The effects with the largest gains are fitted beside all parameters, which takes the sum of squares from S_0 to S_1.
-//! Neighbouring residuals correlate by rho, so that n of them are worth n / t independent ones: F has 1 and (n - p) / t
-//! degrees of freedom where the effect explains nothing. Its tail is multiplied by the number of effects that were
+//! for is one shape. The effects with the largest gains are fitted beside all parameters, which takes the sum of squares from
+//! S_0 to S_1. Neighbouring residuals correlate by rho, so that n of them are worth n / t independent ones: F has 1 and (n -
+//! p) / t degrees of freedom where the effect explains nothing. Its tail is multiplied by the number of effects that were
 //! tried (Bonferroni).
 
 mod effect;
@@ -99,7 +99,8 @@ pub struct Causes {
     pub fitted: Vec<Explanation>,
     /// The names of those whose fit did not come to an end, or was not begun, as the search had become too long.
     pub cut: Vec<&'static str>,
-    /// Where the fit of the best effect ended, if the model gains as much there without it: a point that its search has not come to.
+    /// Where the fit of the best effect ended, if the model gains as much there without it: a point that its search has not
+    /// come to.
     pub(super) not_come_to: Option<Vec<f64>>,
 }
 

@@ -13,7 +13,8 @@ pub fn of(law: Law) -> Vec<&'static str> {
     of_law.chain(limits).chain([&controller::PERIOD_S.key]).map(|key| key.path).collect()
 }
 
-/// What shapes the motion: gains; of the law that has a model of its drive, the numbers that are free (docs/explanation/control.md).
+/// What shapes the motion: gains; of the law that has a model of its drive, the numbers that are free
+/// (docs/explanation/control.md).
 fn gains(law: Law) -> Vec<&'static Key> {
     use controller::*;
     match law {

@@ -1,4 +1,5 @@
-//! Texts that users keep, through whatever editor or system they came: with a byte order mark, with CRLF, with empty lines at the end.
+//! Texts that users keep, through whatever editor or system they came: with a byte order mark, with CRLF, with empty lines at
+//! the end.
 
 use std::fs;
 use std::path::Path;

@@ -1,5 +1,6 @@
 //! What is done with a rig at a port: the command and the Python package do it in the same way. The studio shares the record, the
-//! bring-up, the slow moves and the wait for a stepper; it arms and runs in steps of its own, as its page may withdraw an order in between.
+//! bring-up, the slow moves and the wait for a stepper; it arms and runs in steps of its own, as its page may withdraw an
+//! order in between.
 //!
 //! | module | holds |
 //! |---|---|

@@ -1,4 +1,5 @@
-//! The part file of an interrupted download: it lies beside the TARGET files, or in the folder of states, until the record is complete.
+//! The part file of an interrupted download: it lies beside the TARGET files, or in the folder of states, until the record is
+//! complete.
 //!
 //! It holds frames of replies as they came over the link ([`pneudrive_protocol::frame`]): first the rig's identity and
 //! the head of its record, then the chunks. It is read like a link: a frame that was cut when the program was killed, or

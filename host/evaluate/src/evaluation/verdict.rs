@@ -1,7 +1,7 @@
 //! The result of a drive's moves in one sentence, for its user.
 //!
-//! Each figure is one of the table's ([`super::table`]), over all moves and over the run and its perturbed runs: one value where they
-//! agree in the digits shown, else the least and the most. Times in s, lengths in mm, air in litres (ANR).
+//! Each figure is one of the table's ([`super::table`]), over all moves and over the run and its perturbed runs: one value
+//! where they agree in the digits shown, else the least and the most. Times in s, lengths in mm, air in litres (ANR).
 
 use super::figures::{InRuns, endings, in_runs};
 use super::{LimitCycle, Move};
@@ -12,8 +12,8 @@ const NONE_MM: f64 = 0.005;
 /// A drive that ends within this of its target is said to be neither short of it nor beyond it, mm.
 const NEAR_MM: f64 = 0.01;
 
-/// The sentence: `settles within 0.05 mm after 0.148 s; overshoots by 0.01 mm; rests 0.02 mm short; 0.61 l of air a move`. `runs` has the
-/// moves of the run and then those of each of its perturbed runs; `tolerance_mm` is that of their settling times.
+/// The sentence: `settles within 0.05 mm after 0.148 s; overshoots by 0.01 mm; rests 0.02 mm short; 0.61 l of air a move`.
+/// `runs` has the moves of the run and then those of each of its perturbed runs; `tolerance_mm` is that of their settling times.
 #[must_use]
 pub fn verdict(runs: &[Vec<Move>], tolerance_mm: f64) -> String {
     let mut moves: Vec<InRuns> = in_runs(runs).collect();

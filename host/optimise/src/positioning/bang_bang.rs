@@ -1,4 +1,5 @@
-//! The bang-bang bound on the time of a step: the valve fully open one way, then fully open the other way, until the piston stands.
+//! The bang-bang bound on the time of a step: the valve fully open one way, then fully open the other way, until the piston
+//! stands.
 //!
 //! ```text
 //! u(t) = U until t_s, -U from then on;   v(t_e) = 0, the first time after the piston moves;   t_s so that x(t_e) = target
@@ -57,8 +58,8 @@ pub struct Stop {
     pub way_m: f64,
 }
 
-/// The bound on a step of `step_mm` about the middle of the stroke; None for a step that a valve which is open for a single sample
-/// exceeds.
+/// The bound on a step of `step_mm` about the middle of the stroke; None for a step that a valve which is open for a single
+/// sample exceeds.
 ///
 /// # Errors
 /// When the step does not fit into the stroke, cannot be simulated, or is too much for the drive.

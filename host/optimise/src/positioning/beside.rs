@@ -12,8 +12,8 @@ use super::course::Steps;
 /// This many different steps have their bound computed: a fifth of a second.
 const MOST: usize = 4;
 
-/// A sentence for each step that settled: its time, and how many times the bound that is. Nothing for a law without a model of its
-/// drive, whose time is a matter of its gains, and of moves with profiles, whose time is asked for.
+/// A sentence for each step that settled: its time, and how many times the bound that is. Nothing for a law without a model
+/// of its drive, whose time is a matter of its gains, and of moves with profiles, whose time is asked for.
 #[must_use]
 pub fn beside_bound(rig: &Rig, moves: &[Move]) -> Vec<String> {
     if !rig.knows_its_drive() {

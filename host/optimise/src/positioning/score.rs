@@ -114,9 +114,9 @@ fn median(mut values: Vec<f64>) -> Option<f64> {
     Some(f64::midpoint(*low, *high))
 }
 
-/// The cells of a step in a table: shares, their 95 % intervals in percent, median times, largest overshoot and how many have no more
-/// than [`OVERSHOOT_MM`]; then how many end in a limit cycle, cannot be decided, still move (and by more than [`SWING_MM`]), did not come
-/// to their end; and how many have converged.
+/// The cells of a step in a table: shares, their 95 % intervals in percent, median times, largest overshoot and how many have
+/// no more than [`OVERSHOOT_MM`]; then how many end in a limit cycle, cannot be decided, still move (and by more than
+/// [`SWING_MM`]), did not come to their end; and how many have converged.
 impl fmt::Display for StepScore {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let join = |texts: [String; BANDS_MM.len()]| texts.join(" / ");

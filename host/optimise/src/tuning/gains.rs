@@ -10,8 +10,8 @@
 //! ```
 //!
 //! with `full` the command that opens the valve fully and T the sample period; in addition the dead band, the null offset
-//! and, if the rig says that its user can set it (`operator.dither_adjustable`), the dither. Fixed keys keep the rig's value, and genes that set nothing else are left out. A
-//! fixed profile keeps its span, too, and its last entry is K_far.
+//! and, if the rig says that its user can set it (`operator.dither_adjustable`), the dither. Fixed keys keep the rig's value,
+//! and genes that set nothing else are left out. A fixed profile keeps its span, too, and its last entry is K_far.
 
 use anyhow::{Result, bail};
 use pneudrive_sim::Rig;

@@ -1,7 +1,7 @@
 //! How the drive follows a sine in mid-stroke, with the gains of the file and with those that were found.
 //!
-//! The setpoint swings about the middle of the range of the steps by a fifth of the stroke, 60 mm at most, or as far as that range
-//! goes. It makes three swings. The first one begins at full speed and is left out.
+//! The setpoint swings about the middle of the range of the steps by a fifth of the stroke, 60 mm at most, or as far as that
+//! range goes. It makes three swings. The first one begins at full speed and is left out.
 //!
 //! | run on | shows |
 //! |---|---|

@@ -178,8 +178,8 @@ impl Trial {
         Performance::of(&steps.iter().collect::<Vec<_>>(), self.goal.step_mm, self.goal.time_s)
     }
 
-    /// A move at whose end the law holds the load: it stands, and whatever leaks, the law keeps the force within what running friction
-    /// holds, so that it does not jump. Under other laws a drive whose pressures change may.
+    /// A move at whose end the law holds the load: it stands, and whatever leaks, the law keeps the force within what running
+    /// friction holds, so that it does not jump. Under other laws a drive whose pressures change may.
     fn held(&self, one: &Move) -> Move {
         match one.limit_cycle {
             LimitCycle::Undecided(Doubt::Sticking { .. }) if self.rig.knows_its_drive() => Move {

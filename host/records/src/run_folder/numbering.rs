@@ -1,7 +1,7 @@
 //! The number and the date of a run, and whether it may replace another (thesis I.1 (a) to (c)).
 //!
-//! The runs of a folder are counted: a run has the number after that of the run that it replaces. The date is that of the clock, or of `SOURCE_DATE_EPOCH` (seconds since 1970), with which a
-//! run can be written again byte for byte.
+//! The runs of a folder are counted: a run has the number after that of the run that it replaces. The date is that of the
+//! clock, or of `SOURCE_DATE_EPOCH` (seconds since 1970), with which a run can be written again byte for byte.
 
 use std::fmt;
 use std::path::Path;
