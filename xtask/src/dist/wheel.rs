@@ -1,7 +1,7 @@
 //! The Python package for Linux: one wheel for every interpreter from 3.11 on, and for every system of the last ten years.
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 
 use anyhow::{Context, Result};
@@ -57,6 +57,6 @@ fn carry_library(source: &Source) -> Result<()> {
 fn path() -> Result<std::ffi::OsString> {
     let tools = TOOLS.program("")?;
     let others = std::env::var_os("PATH").unwrap_or_default();
-    let folders = std::iter::once(tools).chain(std::env::split_paths(&others).map(PathBuf::from));
+    let folders = std::iter::once(tools).chain(std::env::split_paths(&others));
     Ok(std::env::join_paths(folders)?)
 }
