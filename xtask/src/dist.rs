@@ -3,12 +3,12 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | [`version`] | the version, and that all files name the same one |
-//! | [`source`] | the commit, checked out where every release is made |
-//! | [`images`] | the images of the boards, in the files that programmers take |
-//! | [`wheel`] | the Python package for Linux |
-//! | [`materials`] | bills of materials, and notices of other people's code |
-//! | [`sums`] | the SHA-256 of each file |
+//! | `version` | the version, and that all files name the same one |
+//! | `source` | the commit, checked out where every release is made |
+//! | `images` | the images of the boards, in the files that programmers take |
+//! | `wheel` | the Python package for Linux |
+//! | `materials` | bills of materials, and notices of other people's code |
+//! | `sums` | the SHA-256 of each file |
 //!
 //! The same commit and the same tools make the same bytes, whoever makes them: the sources lie in one folder, the folders of
 //! cargo and of the toolchain have other names in the programs, and the only date is that of the commit.
