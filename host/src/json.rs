@@ -134,7 +134,7 @@ pub fn line() {
 /// Prints the document of a command that has ended so.
 pub fn end(exit: Exit, error: Option<&str>) {
     let Some(Document { command, result }) = document().take() else { return };
-    // A document a line: the last one is printed.
+    // `monitor` prints a document per line, and has printed its last one.
     if command != MONITOR || error.is_some() {
         print(&format!("{:#}\n", whole(&command, exit, error, result)));
     }

@@ -312,7 +312,8 @@ fn a_refused_go_changes_nothing_on_the_drive() {
     drop(owner);
 }
 
-/// A gauge of 10 bar at a supply of 6.5 bar: its lower end is a pressure that the drive has, its upper one is 1.47 times the supply.
+/// A gauge of 10 bar at a supply of 6.5 bar: its lower end is a pressure that the drive has, its upper one is 1.47 times the
+/// supply.
 #[test]
 fn a_drive_with_an_ordinary_gauge_is_armed() {
     let folder = folder();

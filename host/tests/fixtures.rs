@@ -1,8 +1,9 @@
 //! Files that users have stay readable: TARGET files, streams and run folders of version 1.
 //!
-//! WHAT STANDS IN tests/fixtures DOES NOT CHANGE. If a test fails, files that somebody has could no longer be read: take the change
-//! back, and append instead. A new parameter is another header line, a new figure another key of run.json or column of trace.csv,
-//! and files without it are read. Only what cannot be said so makes a version 2: then its reader stands beside that of version 1, and its fixture beside this one.
+//! WHAT STANDS IN tests/fixtures DOES NOT CHANGE. If a test fails, files that somebody has could no longer be read: take the
+//! change back, and append instead. A new parameter is another header line, a new figure another key of run.json or column of
+//! trace.csv, and files without it are read. Only what cannot be said so makes a version 2: then its reader stands beside
+//! that of version 1, and its fixture beside this one.
 
 use std::path::PathBuf;
 

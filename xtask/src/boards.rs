@@ -23,7 +23,7 @@ struct Variant {
 struct Board {
     image: &'static str,
     variants: &'static [Variant],
-    /// The beginning of the flash, and the part that no program may have bytes in.
+    /// The start of the flash, and the range in which no program may have bytes.
     flash_start: u64,
     kept: Range<u32>,
     /// Most bytes of code and constants.
@@ -72,7 +72,7 @@ pub fn check_nucleo() -> Result<()> {
     check(&NUCLEO)
 }
 
-/// The same of the Pico 2.
+/// The same checks for the Pico 2.
 ///
 /// # Errors
 /// As [`check_nucleo`].

@@ -86,7 +86,7 @@ fn gather(sources: &Path) -> Result<()> {
     // Its links lead from docs; mdBook reads it at the top.
     let summary = summary.replace("](", "](docs/").replace("](docs/../", "](");
     fs::write(sources.join("SUMMARY.md"), summary)?;
-    // In the book the contents are a page of mdBook's.
+    // mdBook makes the contents itself.
     let readme =
         fs::read_to_string(sources.join("README.md"))?.replace(&format!("]({SUMMARY})"), "](toc.html)");
     fs::write(sources.join("README.md"), readme)?;

@@ -87,7 +87,7 @@ fn packages(workspace: &Path) -> Result<Vec<Package>> {
     Ok(metadata.packages)
 }
 
-/// Why a package may not be there; None if it may.
+/// Why a package is not allowed; None if it is.
 fn objection(package: &Package, allowed: &[Licensee]) -> Option<String> {
     let Package { name, version, license, source } = package;
     // The project's own.

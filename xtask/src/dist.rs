@@ -3,12 +3,12 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | [`version`] | the version, and that all files name the same one |
-//! | [`source`] | the commit, checked out where every release is made |
-//! | [`images`] | the images of the boards, in the files that programmers take |
-//! | [`wheel`] | the Python package for Linux |
-//! | [`materials`] | bills of materials, and notices of other people's code |
-//! | [`sums`] | the SHA-256 of each file |
+//! | `version` | the version, and that all files name the same one |
+//! | `source` | the commit, checked out where every release is made |
+//! | `images` | the images of the boards, in the files that programmers take |
+//! | `wheel` | the Python package for Linux |
+//! | `materials` | bills of materials, and notices of other people's code |
+//! | `sums` | the SHA-256 of each file |
 //!
 //! The same commit and the same tools make the same bytes, whoever makes them: the sources lie in one folder, the folders of
 //! cargo and of the toolchain have other names in the programs, and the only date is that of the commit.
@@ -30,10 +30,10 @@ mod sums;
 mod version;
 mod wheel;
 
-/// What is asked for beside the files.
+/// The options of a release.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Extras {
-    /// Make all of it twice, and compare the bytes.
+    /// Make the release twice, and compare the bytes.
     pub twice: bool,
     /// Date the changelog before, in a commit of its own, and tag that commit once all is made.
     pub tag: bool,
@@ -56,7 +56,8 @@ pub fn make(tally: &mut Tally, out: Option<PathBuf>, extras: Extras) {
     }
 }
 
-/// That the version is one everywhere, and that each library can be packaged: what can be said of a release in seconds.
+/// Checks that all files state the same version, and that each library can be packaged: the checks of a release that take
+/// seconds.
 pub fn check(tally: &mut Tally) {
     tally.check("packages of the libraries", || {
         version::check()?;

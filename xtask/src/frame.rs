@@ -5,7 +5,7 @@ use crate::thumb::Instruction;
 /// The stack use of an instruction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Taken {
-    /// This many bytes; 0 for an instruction that takes none, or gives some back.
+    /// This many bytes; 0 for an instruction that takes none, or frees some.
     Bytes(u32),
     /// The value of a register.
     Unknown,

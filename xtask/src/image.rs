@@ -23,7 +23,7 @@ pub struct Image {
     pub largest_variable: u64,
     /// Addresses that a programmer writes to.
     pub written: Vec<Range<u64>>,
-    /// In order of address.
+    /// The instructions, in order of address.
     symbols: Vec<Symbol>,
     instructions: Vec<Instruction>,
 }
@@ -35,10 +35,10 @@ struct Symbol {
     defined: bool,
 }
 
-/// Bytes of the flash, and where they begin.
+/// Bytes of the flash, and their address.
 #[derive(Clone, Debug)]
 pub struct Load {
-    /// The address of the first.
+    /// The address of the first byte.
     pub address: u32,
     /// The bytes.
     pub bytes: Vec<u8>,

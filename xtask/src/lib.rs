@@ -12,10 +12,10 @@
 //! | [`link`] | the link under faults: often, and in all its states |
 //! | [`targets`] | builds for other systems |
 //! | [`web`] | the studio's page as a folder of files, with the designer as WebAssembly |
-//! | [`tools`] | ensures that the emulator and the instruction counter are there |
+//! | [`tools`] | installs the programs that tests need besides Rust |
 //! | [`programs`] | the test programs of the workspace, run side by side |
-//! | [`examples`] | the examples for readers of the libraries, and what they print |
 //! | [`examples`] | the examples for readers of the libraries, run and compared |
+//! | [`axe`] | fetches the checker of barriers in a page |
 //! | [`python`] | builds, installs and tests the Python package |
 //! | [`fmu`] | has another program load the FMUs |
 //! | [`venv`] | environments of Python for tests |
@@ -28,6 +28,7 @@
 //! | [`stack`] | the most stack that a function of an image takes |
 //! | [`frame`] | the stack use of an instruction |
 //! | [`thumb`] | the instructions of a section, as far as the verdict needs them |
+//! | `structure`, `documents` | tests of the sources' structure, and of what the documents say of files |
 
 pub mod axe;
 pub mod boards;
@@ -51,7 +52,8 @@ pub mod programs;
 pub mod python;
 pub mod stack;
 pub mod steps;
-pub mod structure;
+#[cfg(test)]
+mod structure;
 pub mod tally;
 pub mod targets;
 pub mod thumb;

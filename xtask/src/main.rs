@@ -10,7 +10,7 @@ use xtask::link;
 use xtask::steps::{self, Group};
 use xtask::tally::Tally;
 
-/// What a developer runs. Every failure is told, then how many checks passed and failed.
+/// The commands of developers and CI. At the end, they report every failure, then how many checks passed and failed.
 #[derive(Parser)]
 #[command(name = "cargo xtask", bin_name = "cargo xtask", arg_required_else_help = true)]
 struct Arguments {
@@ -20,7 +20,7 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Everything that CI runs: fmt --check, lint, test, docs
+    /// Everything that CI runs: formatting, lint, every group of tests, the images of the boards, licences, documentation
     Ci,
     /// The tests on the PC and in the emulator; or one group of tests that needs more tools, which it installs, or more time
     Test {

@@ -58,7 +58,7 @@ struct Profile {
     test: bool,
 }
 
-/// Whether a program tests or shows something.
+/// Whether a program is a test or an example.
 #[derive(Clone, Copy)]
 enum Kind {
     Tests,
@@ -81,7 +81,7 @@ struct Built {
     examples: Vec<Program>,
 }
 
-/// What became of a program.
+/// The outcome of a program.
 struct Ran {
     output: Output,
     took: Duration,
@@ -140,7 +140,7 @@ fn built() -> Result<Built> {
 }
 
 impl Program {
-    /// The program that a message of cargo tells of, if it tells of one.
+    /// The program that a message of cargo names, if it names one.
     fn of(line: &str) -> Result<Option<(Program, Kind)>> {
         let message: Message = serde_json::from_str(line).with_context(|| format!("cargo says {line}"))?;
         let Message { manifest_path, target: Some(target), profile: Some(profile), executable } = message
@@ -170,7 +170,7 @@ impl Program {
     }
 }
 
-/// Runs programs, so many at once, in their order, each with so many threads.
+/// Runs programs in order, this many at a time, each with this many threads.
 fn run_on(tally: &mut Tally, programs: Vec<Program>, at_once: usize, threads: usize) {
     let (queue, tally) = (Mutex::new(programs.into_iter()), Mutex::new(tally));
     let next = || queue.lock().unwrap_or_else(|poisoned| poisoned.into_inner()).next();

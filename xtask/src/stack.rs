@@ -15,12 +15,12 @@ use crate::image::Image;
 /// Part of the name of the function that every panic goes through.
 const PANIC: &str = "panic_fmt";
 
-/// The most that a function takes.
+/// The deepest use of the stack by a function.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Stack {
     /// Bytes of its own frame and of the frames below it.
     pub bytes: u32,
-    /// From the function to the last one of the deepest way.
+    /// The functions on the deepest path, from the function itself on.
     pub path: Vec<String>,
     /// Calls by a register, on any path.
     pub indirect: Vec<String>,
@@ -50,7 +50,7 @@ struct Known {
 struct Walk<'a> {
     image: &'a Image,
     known: BTreeMap<String, Known>,
-    /// From the first function to the one that is looked at.
+    /// The functions from the first one to the one that is examined.
     way: Vec<String>,
 }
 

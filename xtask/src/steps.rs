@@ -179,14 +179,14 @@ pub fn test_group(tally: &mut Tally, group: Group) {
     group.run(tally);
 }
 
-/// What takes minutes: tests that are ignored otherwise, and all states of the link within the bounds of CI.
+/// The tests that take minutes: those that are otherwise ignored, and all states of the link within the bounds of CI.
 fn long(tally: &mut Tally) {
     tests(tally, "long properties", &["test", "--workspace", "--tests", "--no-fail-fast", "--", "--ignored"]);
     link::states_in_short(tally);
     tally.check("instructions of the simulator", instructions::check);
 }
 
-/// What can be said of the boards without one.
+/// The checks of the boards that need no board.
 fn images(tally: &mut Tally) {
     no_std_crates(tally);
     probe(tally);
@@ -232,8 +232,8 @@ pub fn flashed(tally: &mut Tally, write: bool) {
     tests_by(tally, "the flashed image", || flashed::all(write));
 }
 
-/// All tests on the PC and in the emulator. Groups whose tools are missing are left out, and told of before anything begins;
-/// so are those that take longer than a first look at the sources may.
+/// All tests on the PC and in the emulator. It first names the groups that it leaves out: those whose tools are missing, and
+/// those that take longer than a first look at the sources may.
 pub fn test(tally: &mut Tally) {
     let groups = Group::value_variants().iter().filter(|group| match group.here() {
         Here::All => true,
@@ -321,12 +321,12 @@ fn test_programs(tally: &mut Tally) {
     tests(tally, "examples of the documentation", &call);
 }
 
-/// Tests that count one by one.
+/// Tests that are counted one by one.
 fn tests(tally: &mut Tally, name: &str, arguments: &[&str]) {
     tests_by(tally, name, || Ok(in_root(arguments)));
 }
 
-/// The same of a call of cargo.
+/// The same for any call of cargo.
 fn tests_by(tally: &mut Tally, name: &str, call: impl FnOnce() -> Result<Command>) {
     let before = tally.failed();
     match tally.timed(name, |tally| follow_tests(tally, &mut call()?)) {
@@ -337,7 +337,7 @@ fn tests_by(tally: &mut Tally, name: &str, call: impl FnOnce() -> Result<Command
     }
 }
 
-/// Runs the tests, shows their output as it comes and counts them; whether cargo was content.
+/// Runs the tests, shows their output as it comes and counts them; returns whether cargo succeeded.
 fn follow_tests(tally: &mut Tally, command: &mut Command) -> Result<bool> {
     let mut child = command.stdout(Stdio::piped()).spawn().context("cargo can't be started")?;
     if let Some(stdout) = child.stdout.take() {
@@ -358,7 +358,7 @@ fn follow_line(tally: &mut Tally, line: &str) {
     }
 }
 
-/// The documentation; a warning, so a dead link too, is an error.
+/// The documentation; a warning is an error, and so is a dead link.
 pub fn docs(tally: &mut Tally) {
     tally.check("documentation", || {
         run(in_root(&["doc", "--workspace", "--no-deps", "--keep-going"]).env("RUSTDOCFLAGS", "-D warnings"))
@@ -417,13 +417,13 @@ pub fn hil(tally: &mut Tally, bodies: &[String]) {
     tally.check("tests on the board", || example("board", &bodies));
 }
 
-/// A long time in the emulator.
+/// A long run in the emulator.
 pub fn soak(tally: &mut Tally, seconds: u32) {
     tally.check("emulator", || QEMU.ensure());
     tally.check("soak", || example("soak", &[&seconds.to_string()]));
 }
 
-/// A changed rounding is seen.
+/// Proves that the tests notice a changed rounding.
 pub fn prove_rounding(tally: &mut Tally) {
     tally.check("emulator", || QEMU.ensure());
     tally.check("a changed rounding makes the test fail", || example("prove_rounding", &[]));
@@ -431,7 +431,7 @@ pub fn prove_rounding(tally: &mut Tally) {
     tests_by(tally, "a changed rounding in the flashed image", flashed::changed_rounding);
 }
 
-/// Results that have changed become the golden ones.
+/// Makes changed results the golden ones.
 pub fn bless(tally: &mut Tally, cause: &str) {
     tally.check("golden hashes", || example("bless", &[cause]));
 }

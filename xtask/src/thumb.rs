@@ -16,7 +16,7 @@ pub enum Content {
 /// A mapping symbol.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Mark {
-    /// Where it stands.
+    /// Its address.
     pub address: u32,
     /// The kind that begins there.
     pub content: Content,
@@ -38,7 +38,7 @@ impl Mark {
 /// One instruction: a halfword or two.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Instruction {
-    /// Where it stands.
+    /// Its address.
     pub address: u32,
     /// Its first halfword.
     pub first: u16,

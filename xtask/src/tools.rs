@@ -9,11 +9,11 @@ use pneudrive_build::cargo::{built, in_root, run};
 
 /// A program, and the package that brings it.
 pub struct Tool {
-    /// Its name.
+    /// Name of the program.
     pub program: &'static str,
     /// The package of apt.
     package: &'static str,
-    /// How it is installed.
+    /// How it is installed, in words.
     how: &'static str,
 }
 
@@ -69,15 +69,15 @@ pub struct CargoTool {
 }
 
 impl CargoTool {
-    /// Where it is once it is built.
+    /// The path of the program once it is built.
     ///
     /// # Errors
-    /// When the folder of what is built is not known.
+    /// When the target folder is not known.
     pub fn path(&self) -> Result<PathBuf> {
         Ok(built("tools")?.join("bin").join(format!("{}{}", self.name, std::env::consts::EXE_SUFFIX)))
     }
 
-    /// Builds it if it is not there, and returns where it is.
+    /// Builds the program if it is missing, and returns its path.
     ///
     /// # Errors
     /// When it cannot be built.
@@ -94,19 +94,19 @@ impl CargoTool {
 }
 
 impl Tool {
-    /// Whether it is there.
+    /// Whether the program is installed.
     #[must_use]
     pub fn is_there(&self) -> bool {
         answers(self.program, "--version")
     }
 
-    /// How it is installed.
+    /// How the program is installed, in words.
     #[must_use]
     pub fn how(&self) -> &'static str {
         self.how
     }
 
-    /// Makes sure that it is there; installs it where apt-get is and may.
+    /// Ensures that the program is installed: apt-get installs it where that is possible and allowed.
     ///
     /// # Errors
     /// When it is missing and cannot be installed, with the remedy.

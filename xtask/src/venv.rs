@@ -30,7 +30,7 @@ impl Environment {
         self.program(if cfg!(windows) { "python.exe" } else { "python" })
     }
 
-    /// Whether it was made before.
+    /// Whether the environment was made before.
     #[must_use]
     pub fn is_prepared(self) -> bool {
         self.interpreter().is_ok_and(|python| python.exists())

@@ -1,4 +1,5 @@
-//! How far a program that was written from part I of docs/explanation/equations.md alone is from `simulate`, on drives drawn at random.
+//! How far a program that was written from part I of docs/explanation/equations.md alone is from `simulate`, on drives drawn
+//! at random.
 //!
 //! ```text
 //! cargo run --release -p pneudrive-design --example equations -- [DRIVES]

@@ -7,9 +7,9 @@
 //! no-motion time = 0.25 s + 2 t, from 0.5 to 10 s  t: the longest over both directions, three places and all levels of pressure
 //! ```
 //!
-//! The load rests under the least force that its friction allows, and has to go under the largest. For a chamber alone, a choked flow
-//! fills it at a constant rate, so that t is (P - P_0) V/(n R T C rho_0 P_s); a test holds that. Twice that leaves room for friction
-//! that is more, and a valve that is less, than the file says.
+//! The load rests under the least force that its friction allows, and has to go under the largest. For a chamber alone, a
+//! choked flow fills it at a constant rate, so that t is (P - P_0) V/(n R T C rho_0 P_s); a test holds that. Twice that
+//! leaves room for friction that is more, and a valve that is less, than the file says.
 
 use pneudrive_sim::component::actuator::Actuator;
 use pneudrive_sim::component::gas::Gas;
@@ -29,19 +29,19 @@ const STEP_S: f64 = 5e-4;
 const UNTIL_S: f64 = 5.0;
 /// Levels of pressure that are tried.
 const LEVELS: u32 = 8;
-/// The part of the supply's force on the smaller area that the law "cascade" asks for at most.
+/// The law "cascade" demands at most this part of the supply's force on the smaller area.
 const OF_CASCADE: f64 = 0.8;
 
 /// What breaks a load away: forces in N and a time in s.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Breakaway {
-    /// The force in the direction that needs more of what there is.
+    /// The force in the direction that needs the larger share of the available force.
     pub needed: f64,
-    /// What the supply has in this direction.
+    /// The force that the supply can give in this direction.
     pub held: f64,
-    /// What the law "cascade" asks for at most.
+    /// The largest force that the law "cascade" demands.
     pub asked: f64,
-    /// The time until then; None: longer than the integration goes, or never.
+    /// The time until the load breaks away; None: it takes longer than the integration runs, or the load never breaks away.
     pub time: Option<f64>,
 }
 
@@ -141,7 +141,7 @@ impl Drive {
 }
 
 impl Breakaway {
-    /// That of a rig; None where the flow of its valve is not known by a conductance.
+    /// The breakaway of a rig's load; None where the rig does not give the flow of its valve as a conductance.
     #[must_use]
     pub fn of(rig: &Rig) -> Option<Breakaway> {
         let drive = Drive::of(rig)?;

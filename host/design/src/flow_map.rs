@@ -3,7 +3,8 @@
 
 use pneudrive_tables::{Problem, Table};
 
-/// A measured flow: spool (% of its travel), pressures in front and behind (kPa, absolute), flow and its standard deviation (l/min).
+/// A measured flow: spool (% of its travel), pressures in front and behind (kPa, absolute), flow and its standard deviation
+/// (l/min).
 pub type Row = [f64; 5];
 
 /// Names of the columns; of the first one either will do.
@@ -49,7 +50,7 @@ pub fn to_toml(rows: &[Row]) -> String {
 
 /// The largest flow over the pressure in front of it, m3/(s Pa): about the sonic conductance of the valve fully open.
 #[must_use]
-pub fn largest_conductance(rows: &[Row]) -> f64 {
+pub(crate) fn largest_conductance(rows: &[Row]) -> f64 {
     rows.iter().map(|[_, up, _, flow, _]| flow / up / 6e7).fold(0.0, f64::max)
 }
 

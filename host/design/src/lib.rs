@@ -4,7 +4,7 @@
 //! |---|---|
 //! | [`breakaway`] | how long the air needs until a load breaks away |
 //! | [`conductance`] | the flow figures of data sheets |
-//! | [`flow_answer`] | a flow with the pressures that it holds for |
+//! | `flow_answer` | a flow with the pressures that it holds for |
 //! | [`flow_map`] | a measured map of a valve, from a table |
 //! | [`question`], [`own_drive`] | the questions, and the rig file from their answers |
 //! | [`rig_file`] | rig files that say where values come from |
@@ -19,7 +19,7 @@
 pub mod breakaway;
 pub mod conductance;
 pub mod difference;
-pub mod flow_answer;
+mod flow_answer;
 pub mod flow_map;
 pub mod own_drive;
 pub mod parts;

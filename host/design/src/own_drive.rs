@@ -54,7 +54,7 @@ fn by_gains(wrong: &[AnswerProblem]) -> String {
 /// What a drive lacks for the law that positions.
 fn needs(wrong: &[AnswerProblem]) -> Option<&str> {
     let refusal = wrong.iter().find(|problem| problem.question == LAW)?;
-    // Its words begin with the answer that nobody gave.
+    // The message begins with the default answer, which the user has not given.
     let (_, words) = refusal.message.split_once(keys::controller::LAW.path)?;
     Some(words.trim())
 }

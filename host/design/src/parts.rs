@@ -75,7 +75,7 @@ impl Figure {
     ///
     /// # Errors
     /// When the catalogue has no value, or one of another unit.
-    pub fn value_in(&self, unit: &str) -> Result<f64, String> {
+    pub(crate) fn value_in(&self, unit: &str) -> Result<f64, String> {
         let value = self.value.as_ref().ok_or_else(|| format!("{} has no value", self.name))?;
         number(value, unit)
     }
@@ -84,7 +84,7 @@ impl Figure {
     ///
     /// # Errors
     /// When the catalogue has another unit.
-    pub fn range_in(&self, unit: &str) -> Result<Option<[f64; 2]>, String> {
+    pub(crate) fn range_in(&self, unit: &str) -> Result<Option<[f64; 2]>, String> {
         let Some([low, high]) = &self.range else { return Ok(None) };
         Ok(Some([number(low, unit)?, number(high, unit)?]))
     }

@@ -87,12 +87,12 @@ pub struct AnswerProblem {
 }
 
 impl AnswerProblem {
-    /// Of the answer to a question.
+    /// The problem of the answer to a question.
     pub fn new(question: &'static str, message: impl Into<String>) -> AnswerProblem {
         AnswerProblem { question, message: message.into(), instead: None }
     }
 
-    /// The same with an answer that would do.
+    /// The same problem, with an answer that would do.
     #[must_use]
     pub fn or(self, instead: impl Into<String>) -> AnswerProblem {
         AnswerProblem { instead: Some(instead.into()), ..self }

@@ -17,9 +17,9 @@ pub struct RigFile {
 /// A number, and where it comes from.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Number {
-    /// In the unit of its key.
+    /// The value, in the unit of its key.
     pub value: f64,
-    /// How it came about.
+    /// Its origin.
     pub source: Source,
     /// The ends between which it lies, if they are known.
     pub range: Option<[f64; 2]>,

@@ -11,7 +11,7 @@ use serde_json::{Map, Value as Json, json};
 pub struct Entry<'a> {
     /// The key.
     pub key: &'static Key,
-    /// In the unit of the key.
+    /// The value, in the unit of the key.
     pub value: &'a Value,
     /// Where it comes from.
     pub origin: Origin,
@@ -109,7 +109,7 @@ pub fn value_to_json(value: &Value) -> Json {
     }
 }
 
-/// How many values of a rig come from where, for a line of words: given, computed, typical, unknown, default.
+/// The number of values of a rig by origin, in one line: given, computed, typical, unknown, default.
 #[must_use]
 pub fn count(rig: &Rig) -> [(Source, usize); 5] {
     let sources = [Source::Given, Source::Computed, Source::Typical, Source::Unknown, Source::Default];

@@ -1,5 +1,5 @@
-//! Part I of docs/explanation/equations.md is all that one has to know of a drive by its data sheets: a program written from it alone
-//! comes to the same transients.
+//! Part I of docs/explanation/equations.md is all that one has to know of a drive by its data sheets: a program written from
+//! it alone comes to the same transients.
 
 use crate::independent;
 

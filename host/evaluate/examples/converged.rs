@@ -1,5 +1,5 @@
-//! How many closed loops drawn at random have converged, whether those that say so are, and what the check of convergence costs: the
-//! table of docs/explanation/agreement.md.
+//! How many closed loops drawn at random have converged, whether those that say so are, and what the check of convergence
+//! costs: the table of docs/explanation/agreement.md.
 //!
 //! ```text
 //! cargo run --release -p pneudrive-evaluate --example converged -- [PAIRS] [FIRST DRAW]

@@ -82,7 +82,7 @@ fn deviation(reference: &Transient, other: &Transient, channel: usize) -> Option
         .iter()
         .zip(&reference.channels[channel])
         .filter_map(|(&time, &value)| Some((value, other.at(channel, time)?)))
-        // Samples that are unknown in one of them are left out.
+        // Samples that either transient lacks are left out.
         .filter(|(value, other)| value.is_finite() && other.is_finite())
         .collect();
     if pairs.is_empty() {

@@ -81,7 +81,7 @@ pub struct Move {
     pub range_mm: f64,
     /// How the drive follows its profile; None of a step, and in open loop.
     pub tracking: Option<Tracking>,
-    /// Whether it ends in a limit cycle.
+    /// The verdict on whether it ends in a limit cycle.
     pub limit_cycle: LimitCycle,
     /// Top speed, mm/s.
     pub top_speed_mm_s: f64,
@@ -144,7 +144,8 @@ pub fn moves_of_run(rig: &Rig, run: &Run) -> Vec<Move> {
     moves(&transient, &Motion::of(&transient), Some(&Chambers::of(rig)), tolerance_mm(Some(rig)))
 }
 
-/// Distance from its setpoint within which a move has settled, mm: that of the rig, or the usual one of a transient without a rig.
+/// Distance from its setpoint within which a move has settled, mm: that of the rig, or the usual one of a transient without a
+/// rig.
 #[must_use]
 pub fn tolerance_mm(rig: Option<&Rig>) -> f64 {
     rig.map_or(USUAL_TOLERANCE_MM, |rig| rig.get(&keys::test::TOLERANCE_MM))

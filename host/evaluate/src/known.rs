@@ -1,4 +1,5 @@
-//! What the law of a record knew of its drive. The controller is deterministic: on the recorded inputs it knows the same again.
+//! What the law of a record knew of its drive. The controller is deterministic: on the recorded inputs it computes the same
+//! again.
 
 use anyhow::{Result, bail};
 use pneudrive_controller::parameters::{TABLE, id};

@@ -1,4 +1,4 @@
-//! What a transient tells, as a library: no command line and no port; nothing is printed.
+//! Evaluation of transients, as a library: no command line and no port; nothing is printed.
 //!
 //! | module | holds |
 //! |---|---|
@@ -10,12 +10,12 @@
 //! | [`recorded_run`] | a simulated run as the TARGET file that a rig would record of it |
 //! | [`replay`] | a TARGET file's inputs through the controller on the PC, compared with its outputs |
 //! | [`known`] | what the law of a record knew, by its replay |
-//! | [`spectrum`] | which frequencies a channel holds |
+//! | [`spectrum`] | amplitudes of a channel over frequency |
 //! | [`report`] | the page of transients |
 //! | [`parallel`] | the same for each of many, on several threads |
 //! | [`cancel`] | the token by which a caller ends long work early |
 //!
-//! What a run is like, in one sentence and in figures:
+//! The result of a run, in one sentence and in figures:
 //!
 //! ```
 //! use pneudrive_evaluate::evaluation::{moves_of_run, tolerance_mm, verdict};

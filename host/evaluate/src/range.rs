@@ -3,18 +3,18 @@
 /// A figure over a run and its perturbed runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Range {
-    /// Of the run itself; None if it does not show it.
+    /// The figure of the run itself; None if the run does not show it.
     pub value: Option<f64>,
-    /// Smallest and largest of those runs that show it; None if none does.
+    /// Smallest and largest figure of the runs that show it; None if none does.
     pub ends: Option<[f64; 2]>,
-    /// How many of the runs do not show it.
+    /// Number of runs that do not show it.
     pub lacking: usize,
-    /// How many runs there are.
+    /// Number of runs.
     pub runs: usize,
 }
 
 impl Range {
-    /// Of a figure in each run, the run's own first.
+    /// The range of a figure over several runs; the first is the run itself.
     #[must_use]
     pub fn of(values: &[Option<f64>]) -> Range {
         let known = values.iter().flatten().map(|value| [*value; 2]);

@@ -190,9 +190,9 @@ const KEYS_OF_TEMPERATURES: [&str; 2] =
 /// The state that a simulation begins with.
 struct Start {
     position_m: f64,
-    /// None: the rig's.
+    /// Pressures of the chambers; None: those of the rig.
     pressures_pa: Option<[f64; 2]>,
-    /// None: the rig's.
+    /// Temperatures of the chambers; None: those of the rig.
     temperatures_k: Option<[f64; 2]>,
 }
 

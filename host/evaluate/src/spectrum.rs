@@ -40,18 +40,18 @@ impl Window {
 /// Amplitudes over frequencies.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Spectrum {
-    /// Hz, evenly spaced from 0 to half the sampling frequency.
+    /// Frequencies, Hz, evenly spaced from 0 to half the sampling frequency.
     pub frequency: Vec<f64>,
-    /// In the channel's unit.
+    /// Amplitudes, in the channel's unit.
     pub amplitude: Vec<f64>,
 }
 
 /// A peak of a spectrum.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Peak {
-    /// Hz, between the spectrum's frequencies.
+    /// Frequency, Hz; it may lie between the spectrum's frequencies.
     pub frequency: f64,
-    /// In the channel's unit.
+    /// Amplitude, in the channel's unit.
     pub amplitude: f64,
 }
 

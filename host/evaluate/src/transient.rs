@@ -32,19 +32,19 @@ const PROFILE_GAP_S: f64 = 0.05;
 /// Setpoints closer than this are one, mm or counts: they come from sums of rounded numbers.
 const SAME: f64 = 1e-9;
 
-/// Places in [`CHANNELS`].
+/// Index of the setpoint in [`CHANNELS`].
 pub const SETPOINT: usize = 0;
-/// The position, mm.
+/// Index of the position, mm.
 pub const POSITION: usize = 1;
-/// The pressures, kPa.
+/// Indices of the pressures, kPa.
 pub const PRESSURES: [usize; 2] = [2, 3];
 /// Columns of the pressures at the ports of the valve.
 const PORTS: [&str; 2] = ["port_pressure_1_pa", "port_pressure_2_pa"];
-/// The spool, mm.
+/// Index of the spool position, mm.
 pub const SPOOL: usize = 4;
-/// The command, counts.
+/// Index of the command, counts.
 pub const COMMAND: usize = 5;
-/// The error, counts.
+/// Index of the error, counts.
 pub const ERROR: usize = 6;
 
 /// Channels over time.
@@ -56,9 +56,9 @@ pub struct Transient {
     pub numbered: Option<Numbered>,
     /// The name of its test; the tests of built-in rigs have the names of their rigs.
     pub test: String,
-    /// s, from the start of the test.
+    /// Times from the start of the test, s.
     pub time: Vec<f64>,
-    /// In the order of [`CHANNELS`].
+    /// Values of each channel, in the order of [`CHANNELS`].
     pub channels: [Vec<f64>; CHANNELS.len()],
     /// The encoder count at each instant.
     pub counts: Vec<i32>,
@@ -96,9 +96,9 @@ pub struct Cut {
 /// Lowest and highest values of each channel of [`CHANNELS`], at the instants of its transient; none of the setpoint.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ChannelBand {
-    /// Lowest.
+    /// Lowest values.
     pub low: [Vec<f64>; CHANNELS.len()],
-    /// Highest.
+    /// Highest values.
     pub high: [Vec<f64>; CHANNELS.len()],
 }
 
@@ -279,7 +279,7 @@ impl Transient {
         (changes.len() >= PROFILE_CHANGES).then(|| changes[0]..=changes[changes.len() - 1])
     }
 
-    /// Where the setpoint or, in open loop, the command is another one than at the sample before.
+    /// Where the setpoint or, in open loop, the command differs from that of the sample before.
     fn changes(&self, samples: std::ops::Range<usize>) -> Vec<usize> {
         let asked = &self.channels[if self.is_open_loop() { COMMAND } else { SETPOINT }];
         // A setpoint behind an error at the limit of its 16 bits cannot be known.
@@ -319,7 +319,7 @@ impl Transient {
 
     /// Lowest and highest value of a channel at `time` over a run and its perturbed runs; None without a band.
     #[must_use]
-    pub fn band_at(&self, channel: usize, time: f64) -> Option<[f64; 2]> {
+    pub(crate) fn band_at(&self, channel: usize, time: f64) -> Option<[f64; 2]> {
         let band = self.band.as_ref()?;
         Some([self.interpolated(&band.low[channel], time)?, self.interpolated(&band.high[channel], time)?])
     }

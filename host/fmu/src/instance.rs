@@ -38,7 +38,7 @@ pub struct Instance {
 struct Fixed {
     part: Part,
     rig: Rig,
-    /// In the order of their references.
+    /// Variables in the order of their references.
     variables: Vec<Variable>,
     period_s: f64,
 }
@@ -47,16 +47,16 @@ struct Fixed {
 #[derive(Clone, Debug)]
 struct Now {
     phase: Phase,
-    /// Of each parameter that was set, by its reference.
+    /// The parameters that were set, by reference.
     parameters: BTreeMap<u32, Value>,
     inputs: Vec<Value>,
     model: Option<Built>,
     /// Parameters were set since the model was built, or tuned last.
     untuned: bool,
-    /// Of the model, once they were asked for.
+    /// The outputs of the model, once they were requested.
     outputs: Option<Vec<Value>>,
     start_time: f64,
-    /// Samples since then.
+    /// Samples since the start time.
     k: u64,
     /// Time since the present sample, s.
     past: f64,
@@ -98,7 +98,7 @@ impl Instance {
     ///
     /// # Errors
     /// When the rig file cannot be read, or is not the token's.
-    pub fn of_resources(token: &str, folder: &Path) -> Result<Instance> {
+    pub(crate) fn of_resources(token: &str, folder: &Path) -> Result<Instance> {
         let path = folder.join(RIG_FILE);
         let text =
             std::fs::read_to_string(&path).with_context(|| format!("cannot read {}", path.display()))?;
@@ -190,7 +190,7 @@ impl Instance {
     pub fn step(&mut self, time: f64, step: f64) -> Result<()> {
         self.require(&[Phase::Stepping], "stepped")?;
         let period_s = self.fixed.period_s;
-        // Times are sums of steps, and steps are differences of times. Each has lost digits there.
+        // Times are sums of steps, and steps are differences of times: both have lost digits.
         let lost = lost_at(self.time());
         let is_present = (time - self.time()).abs() <= 1e-3 * period_s + lost;
         if !is_present {

@@ -9,9 +9,10 @@
 //! drive       setpoint at sample k -> both of them, joined as in `pneudrive simulate`
 //! ```
 //!
-//! A step passes the samples that lie in it; where it ends between two of them, the model stands at the last one. The controller goes first: `command = controller(sample)`, then
-//! `sample = plant(command)`; both take the step from k to k + 1. The plant has the command take effect
-//! `controller.delay_s` after the sample, so that the loop of the two repeats `pneudrive simulate` bit for bit.
+//! A step passes the samples that lie in it; where it ends between two of them, the model stands at the last one. The
+//! controller goes first: `command = controller(sample)`, then `sample = plant(command)`; both take the step from k to k + 1.
+//! The plant has the command take effect `controller.delay_s` after the sample, so that the loop of the two repeats
+//! `pneudrive simulate` bit for bit.
 //!
 //! | module | holds |
 //! |---|---|

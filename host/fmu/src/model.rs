@@ -80,7 +80,7 @@ impl FmuModel {
     ///
     /// # Errors
     /// When the controller refuses its gains.
-    pub fn retune(&mut self, rig: &Rig) -> Result<()> {
+    pub(crate) fn retune(&mut self, rig: &Rig) -> Result<()> {
         match &mut self.0 {
             Which::Plant(plant) => plant.retune(rig),
             Which::Controller(controller) => return controller.retune(rig),

@@ -34,19 +34,19 @@ impl Part {
 
     /// Whether it has the plant in it.
     #[must_use]
-    pub fn has_plant(self) -> bool {
+    pub(crate) fn has_plant(self) -> bool {
         self != Part::Controller
     }
 
     /// Whether it has the controller in it.
     #[must_use]
-    pub fn has_controller(self) -> bool {
+    pub(crate) fn has_controller(self) -> bool {
         self != Part::Plant
     }
 
     /// The name of the library in modelDescription.xml: the name of its file.
     #[must_use]
-    pub fn identifier(self) -> String {
+    pub(crate) fn identifier(self) -> String {
         format!("pneudrive_{}", self.word())
     }
 
@@ -80,7 +80,7 @@ impl Part {
     ///
     /// # Errors
     /// When the token is of another library, or of another rig file.
-    pub fn of_token(token: &str, rig_text: &str) -> Result<Part> {
+    pub(crate) fn of_token(token: &str, rig_text: &str) -> Result<Part> {
         let named = Part::ALL.into_iter().find(|part| token.split(' ').nth(2) == Some(part.word()));
         match named {
             Some(part) if part.token(rig_text) == token => Ok(part),

@@ -17,7 +17,7 @@ pub(crate) const OF_RUNNING_PLANT: [&Typed<f64>; 9] = [
     &keys::friction::COULOMB_RETRACT_N,
 ];
 
-/// Keys of the controller that may.
+/// Keys of the controller that may change while it runs.
 pub(crate) const GAINS: [&Key; 5] = [
     &keys::controller::PROPORTIONAL_GAIN.key,
     &keys::controller::INTEGRAL_GAIN.key,

@@ -75,7 +75,7 @@ impl Variable {
 
     /// Whether it may be set while the simulation runs, though it is a parameter.
     #[must_use]
-    pub fn is_tunable(&self) -> bool {
+    pub(crate) fn is_tunable(&self) -> bool {
         self.is_of_running_plant()
             || matches!(self.role, Role::Key(key) if GAINS.iter().any(|one| one.path == key.path))
     }

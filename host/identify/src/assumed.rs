@@ -95,7 +95,7 @@ fn jacobian(model: &FittedModel, at: &Point) -> DMatrix<f64> {
 }
 
 impl Considered {
-    /// Places of the parameters and of what is assumed.
+    /// Indices of the parameters and of the assumed values.
     fn named(&self, model: &FittedModel) -> Range<usize> {
         0..model.parameters.len() + self.assumed.len()
     }

@@ -13,8 +13,8 @@ const ALL: u64 = 4000;
 /// The same, to end at a minimum that is known to be near.
 const MORE: u64 = 1500;
 
-/// Evaluations altogether. One takes 0.20 to 0.24 us of processor time, with all that is done with it. What has begun is finished, up
-/// to a tenth more, so a search ends within a minute of one core.
+/// Evaluations altogether. One takes 0.20 to 0.24 us of processor time, with all that is done with it. What has begun is
+/// finished, up to a tenth more, so a search ends within a minute of one core.
 const MAX_EVALUATIONS: u64 = 225_000_000;
 
 /// Evaluations of a run for each of its samples: a hundred times what they take where the model is near the rig.
@@ -24,9 +24,9 @@ const OF_A_SAMPLE: u64 = 5_000;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Budget {
     spent: Arc<AtomicU64>,
-    /// What it takes to follow all records once.
+    /// Evaluations that it takes to follow all records once.
     once: u64,
-    /// How much may be spent; None: without end.
+    /// The budget, evaluations; None: unlimited.
     most: Option<u64>,
 }
 
@@ -46,18 +46,18 @@ impl Budget {
         self.spent.load(Ordering::Relaxed)
     }
 
-    /// All records have been followed once: there is an end for the first minimum.
+    /// Sets the budget of the first minimum, once all records have been followed.
     pub fn begin(&mut self) {
         self.once = self.spent();
         self.end_after(FIRST);
     }
 
-    /// The first minimum is found: there is an end for all.
+    /// Sets the budget of the whole search, once the first minimum is found.
     pub fn go_on(&mut self) {
         self.end_after(ALL);
     }
 
-    /// A point near a minimum is found: there is enough to come to it.
+    /// Grants what it takes to reach a minimum from a point near it.
     pub fn finish(&mut self) {
         self.most = Some((self.spent() + MORE * self.once).min(MAX_EVALUATIONS));
     }
@@ -66,7 +66,7 @@ impl Budget {
         self.most = Some((times * self.once).min(MAX_EVALUATIONS * times / ALL));
     }
 
-    /// Whether nothing is left.
+    /// Whether the budget is spent.
     pub fn is_spent(&self) -> bool {
         self.most.is_some_and(|most| self.spent() >= most)
     }

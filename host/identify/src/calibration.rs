@@ -24,14 +24,14 @@ const NOTHING: f64 = 1e-3;
 
 /// An error of calibration.
 pub(super) struct Item {
-    /// Its key.
+    /// The key of the rig file that holds the error.
     pub error: &'static Typed<f64>,
-    /// That of its tolerance.
+    /// The key of its tolerance.
     tolerance: &'static Typed<f64>,
     /// Difference for a derivative, and the longest step of a search, in the unit of the key.
     difference: f64,
     longest: f64,
-    /// What it is.
+    /// The error in words.
     pub name: &'static str,
     /// How to measure it without a fit.
     pub measure: &'static str,
@@ -109,13 +109,13 @@ pub(super) fn item_of(path: &str) -> Option<&'static Item> {
 pub struct Calibrated {
     /// The error, with the file's value.
     pub parameter: Parameter,
-    /// What it is, in words.
+    /// The error in words.
     pub name: &'static str,
     /// Tolerance: its standard deviation before there are data, in the unit of the key.
     pub tolerance: f64,
-    /// In the unit of the key.
+    /// The estimate, in the unit of the key.
     pub value: f64,
-    /// In the unit of the key.
+    /// Its standard error, in the unit of the key.
     pub standard_error: f64,
     /// Whether it is farther from the file's than [`FAR`] tolerances.
     pub is_far: bool,

@@ -9,9 +9,9 @@
 //! ```
 //!
 //! A gain that noise hardly makes is a misfit of its own, even where all residuals together pass for noise: what is looked
-//! for is one shape. The effects with the largest gains are fitted beside all parameters, which takes the sum of squares from S_0 to S_1.
-//! Neighbouring residuals correlate by rho, so that n of them are worth n / t independent ones: F has 1 and (n - p) / t
-//! degrees of freedom where the effect explains nothing. Its tail is multiplied by the number of effects that were
+//! for is one shape. The effects with the largest gains are fitted beside all parameters, which takes the sum of squares from
+//! S_0 to S_1. Neighbouring residuals correlate by rho, so that n of them are worth n / t independent ones: F has 1 and (n -
+//! p) / t degrees of freedom where the effect explains nothing. Its tail is multiplied by the number of effects that were
 //! tried (Bonferroni).
 
 mod effect;
@@ -69,7 +69,7 @@ pub struct Explanation {
 impl Explanation {
     /// Whether the effect is unlikely to be due to chance.
     #[must_use]
-    pub fn is_significant(&self) -> bool {
+    pub(crate) fn is_significant(&self) -> bool {
         self.chance < SIGNIFICANT
     }
 }
@@ -99,12 +99,13 @@ pub struct Causes {
     pub fitted: Vec<Explanation>,
     /// The names of those whose fit did not come to an end, or was not begun, as the search had become too long.
     pub cut: Vec<&'static str>,
-    /// Where the fit of the best effect ended, if the model gains as much there without it: a point that its search has not come to.
+    /// Where the fit of the best effect ended, if the model gains as much there without it: a point that its search has not
+    /// come to.
     pub(super) not_come_to: Option<Vec<f64>>,
 }
 
 impl Causes {
-    /// Whether the best effect leaves noise alone.
+    /// Whether the best effect leaves nothing but noise.
     pub(super) fn explain_to_noise(&self) -> bool {
         self.fitted.first().is_some_and(|best| best.leaves_noise && best.is_significant())
     }
@@ -129,7 +130,7 @@ impl Traces {
     }
 
     /// Whether there is one that noise hardly has.
-    pub fn are_clear(&self) -> bool {
+    pub(crate) fn are_clear(&self) -> bool {
         self.far || self.chance < SIGNIFICANT
     }
 
@@ -163,7 +164,7 @@ pub(super) fn explain(
             fits.extend(Fit::by_secants(Origin { model, without: found, trial }));
         }
     }
-    // Those that secants do not make better than no effect stay in the order of what they promise.
+    // Effects that the secants do not make better than none stay in the order of their promised gains.
     let without = found.minimum.residuals.norm_squared();
     let order = |a: &Fit, b: &Fit| a.cost().min(without).total_cmp(&b.cost().min(without));
     while !fits.iter().any(Fit::leaves_noise) && !model.budget.is_spent() {

@@ -210,7 +210,8 @@ mod tests {
         }
     }
 
-    /// Errors of +-4.2 l/min, half a percent of the flow, alternating: the scatter is that, and the figures hold within their errors.
+    /// Errors of +-4.2 l/min, half a percent of the flow, alternating: the scatter is that, and the figures hold within their
+    /// errors.
     #[test]
     fn scatter_is_carried_into_the_errors_of_both_figures() {
         let found =

@@ -48,28 +48,28 @@ const YIELDS: f64 = 0.2;
 /// A value with its standard error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Figure {
-    /// In the unit of its name.
+    /// The value, in the unit of its field.
     pub value: f64,
-    /// Likewise.
+    /// Its standard error, in the same unit.
     pub error: f64,
 }
 
-/// The figures; None where records do not show one. By direction: extension, retraction.
+/// The figures; None where the records do not show one. Arrays hold extension, then retraction.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Figures {
-    /// N.
+    /// Stiction, N.
     pub stiction: [Option<Figure>; 2],
     /// Whether every breakaway of the direction was of a load that yielded first.
     pub yields: [bool; 2],
-    /// N.
+    /// Coulomb friction, N.
     pub coulomb: [Option<Figure>; 2],
-    /// N s/m.
+    /// Viscous friction, N s/m.
     pub viscous: Option<Figure>,
-    /// kg.
+    /// Moving mass, kg.
     pub mass: Option<Figure>,
-    /// m/s.
+    /// Top speed, m/s.
     pub top_speed: [Option<f64>; 2],
-    /// m/s^2.
+    /// Top acceleration, m/s^2.
     pub top_acceleration: [Option<f64>; 2],
     /// Width of the spool's loop, mm.
     pub hysteresis_mm: Option<f64>,
@@ -130,7 +130,7 @@ impl Figures {
         )
     }
 
-    /// Of all records together.
+    /// The figures of all records together.
     #[must_use]
     pub fn of(rig: &Rig, recordings: &[Recording]) -> Figures {
         let forces = Forces::of(rig);
@@ -148,7 +148,7 @@ impl Figures {
         };
         let both = |of: &dyn Fn(&Instant) -> f64| [most(of, 1.0), most(of, -1.0)];
         Figures {
-            // The record that tells it best: the force rises slowest.
+            // The most exact record: the one whose force rises slowest.
             stiction: [1.0, -1.0].map(|sign| {
                 let sharp = of_direction(sign).filter(|one| !one.yields).map(|one| one.force);
                 sharp.min_by(|a, b| a.error.total_cmp(&b.error))
@@ -222,7 +222,7 @@ fn period(recording: &Recording) -> f64 {
     1e-6 * recording.timing.period_us as f64
 }
 
-/// The samples at which the drive moves all the time.
+/// The samples throughout which the drive moves.
 fn instants(forces: &Forces, recording: &Recording) -> Vec<Instant> {
     let position = &recording.channels[0];
     let y = |k: usize| position.measured[k] * position.scale;
@@ -270,7 +270,7 @@ fn breakaways(forces: &Forces, weight: Figure, recording: &Recording) -> Vec<Bre
         if left.abs() < MOVED {
             continue;
         }
-        // It stood until the last sample with the count of the rest.
+        // It was at rest until the last sample with the count of the rest.
         let until = (rest..k).rev().find(|&i| counts[i] == counts[rest]).unwrap_or(rest);
         if until - rest >= REST {
             let direction = left.signum();

@@ -30,8 +30,8 @@ pub trait Problem {
     fn limits(&self) -> Vec<Limit>;
     /// Longest step along an unknown: beyond it the linear model is not to be trusted.
     fn longest(&self, unknown: usize) -> f64;
-    /// Whether a step is confined to the longest along each unknown by itself: the others then go on where one ends. Else all
-    /// of it is shortened.
+    /// Whether each unknown is limited to its longest step on its own, while the others take their full step; otherwise the
+    /// whole step is shortened.
     fn is_confined(&self) -> bool {
         false
     }
@@ -120,7 +120,7 @@ pub fn minimise(
 }
 
 /// Searches from a point whose derivatives are known, roughly at least, without evaluating them again.
-pub fn minimise_by_secants(problem: &impl Problem, start: Minimum) -> Minimum {
+pub(crate) fn minimise_by_secants(problem: &impl Problem, start: Minimum) -> Minimum {
     let mut search = Search::from(problem, start, DAMPING[1]);
     search.by_secants = true;
     let mut idle = 0;

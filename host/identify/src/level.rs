@@ -52,7 +52,7 @@ pub(super) const LEVELLING_ERROR_DEG: f64 = 2.0;
 /// An incline that would explain how friction differs from the file's, degrees.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Incline {
-    /// Positive where extension goes up.
+    /// The angle, degrees; positive where extension goes up.
     pub degrees: f64,
     /// Ends of its 95 % interval.
     pub interval: [f64; 2],
@@ -65,7 +65,7 @@ pub struct Incline {
 impl Incline {
     /// Ends of what friction of a key is less without the incline, N; None for another key.
     #[must_use]
-    pub fn takes_from(&self, path: &str) -> Option<[f64; 2]> {
+    pub(crate) fn takes_from(&self, path: &str) -> Option<[f64; 2]> {
         let (_, sign) = FRICTIONS.iter().find(|(known, _)| *known == path)?;
         let [a, b] = self.forces.map(|force| sign * force);
         Some([a.min(b), a.max(b)])

@@ -26,7 +26,7 @@
 //! - **Errors of calibration**, of scales and offsets of the sensors and of the clock, are unknowns of every fit within the
 //!   tolerances that the rig file has ([`calibration`]).
 //! - **What the data do not show** stays as uncertain as the prior says, and with it whatever depends on it: intervals
-//!   carry both ([`posterior`]). What no sample depends on is not fitted.
+//!   carry both (`posterior`). What no sample depends on is not fitted.
 //!
 //! docs/howto/identification.md has the proof: how often the intervals hold what a virtual rig hides.
 //!
@@ -70,7 +70,7 @@ mod model;
 pub mod moves;
 pub mod parameter;
 pub mod plan;
-pub mod posterior;
+mod posterior;
 pub mod recording;
 pub mod regression;
 pub mod report;
@@ -96,7 +96,7 @@ use spectrum::Spectrum;
 use pneudrive_evaluate::cancel::CancelToken;
 
 /// A parameter whose standard error is a larger part of that of its prior cannot be seen in the data.
-pub const UNSEEN: f64 = 0.5;
+pub(crate) const UNSEEN: f64 = 0.5;
 
 /// No sample depends on a parameter if all of them together change by less than so many standard deviations over its
 /// prior.
@@ -116,18 +116,19 @@ const AT_LIMIT: f64 = 1e-6;
 pub struct Estimate {
     /// The parameter, with the file's value.
     pub parameter: Parameter,
-    /// In the unit of the key.
+    /// The estimate, in the unit of the key.
     pub value: f64,
-    /// In the unit of the key.
+    /// Its standard error, in the unit of the key.
     pub standard_error: f64,
     /// Ends of the 95 % interval, in the unit of the key; where the model does not explain the data, moved apart by what a
     /// model error as large as the residuals can do.
     pub interval: [f64; 2],
-    /// That, in the unit of the key; 0 where the model explains the data.
+    /// By how much a model error as large as the residuals can move the estimate, in the unit of the key; 0 where the model
+    /// explains the data.
     pub by_misfit: f64,
-    /// Part of the squared standard error that what is assumed makes; the rest is noise.
+    /// Part of the squared standard error that the priors make; the rest is noise.
     pub assumed: f64,
-    /// Whose priors these are, the largest part first, where they make the larger part.
+    /// The priors that make it, the largest part first, where the priors make the larger part.
     pub rests_on: Vec<Share>,
     /// What would make it better known, where it rests on priors.
     pub given: Option<Given>,
@@ -156,7 +157,7 @@ pub struct Given {
 /// A parameter that the data do not show.
 #[derive(Clone, Debug)]
 pub struct Unseen {
-    /// With the file's value.
+    /// The parameter, with the file's value.
     pub parameter: Parameter,
     /// The value of the fitted rig: the file's, shifted by the little that the data show.
     pub value: f64,
@@ -184,7 +185,7 @@ pub struct ChannelFit {
 impl ChannelFit {
     /// Whether the residuals are larger than before the fit by more than chance.
     #[must_use]
-    pub fn has_grown(&self) -> bool {
+    pub(crate) fn has_grown(&self) -> bool {
         let chance = (2.0 / self.samples as f64).sqrt() * self.noise.powi(2);
         self.after.powi(2) - self.before.powi(2) > GROWN * chance
     }
@@ -195,7 +196,7 @@ impl ChannelFit {
 pub struct Identification {
     /// The parameters that the data show, in the requested order.
     pub estimates: Vec<Estimate>,
-    /// Those that they do not.
+    /// The parameters that the data do not show.
     pub unseen: Vec<Unseen>,
     /// What is assumed of keys that are not fitted.
     pub assumed: Vec<Parameter>,
@@ -219,7 +220,7 @@ pub struct Identification {
     pub calibration: Vec<Calibrated>,
     /// What would explain the residuals, where these are more than noise.
     pub causes: Causes,
-    /// Whether the search for another minimum or a cause was cut, as it had become too long.
+    /// Whether the search for another minimum or a cause was ended early because it had spent its budget.
     pub cut: bool,
     /// Whether the search converged and what remains is noise: else the model does not explain the data, another minimum
     /// does better, or the samples are too few to tell ([`Spectrum::is_testable`]).
@@ -293,7 +294,7 @@ impl FittedModel<'_> {
         self.limits().iter().any(|limit| limit.has(parameter) && limit.room(u) < AT_LIMIT)
     }
 
-    /// Takes away the parameters that no sample depends on.
+    /// Removes the parameters that no sample depends on.
     fn leave_out_what_nothing_depends_on(&mut self, at: &DVector<f64>) -> Vec<Unseen> {
         let columns = self.columns(&vec![0.0; self.unknowns()], at, 0..self.parameters.len());
         let shows = |i: usize| columns[i].as_ref().is_none_or(|c| self.prior(i) * c.rows.norm() > NOTHING);
@@ -336,7 +337,7 @@ fn finished(
         correlation: DMatrix::from_fn(seen.len(), seen.len(), |i, j| correlation[(seen[i], seen[j])]),
         estimates: seen.into_iter().map(|i| posterior.estimate(model, u, i, misfit)).collect(),
         assumed: posterior.assumed.clone(),
-        // Friction that cannot make up for an incline tells a wrong one.
+        // Friction that cannot compensate an incline would suggest a wrong one.
         incline: posterior.incline.filter(|_| fits),
         at_limits: model.parameters_where(|i| model.is_at_limit(u, i)),
         far_off: model

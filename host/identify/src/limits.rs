@@ -63,7 +63,7 @@ impl Limit {
 
 /// The step from `u` that minimises a quadratic and keeps the limits. None where the matrix is singular.
 #[must_use]
-pub fn step_within(
+pub(crate) fn step_within(
     matrix: &DMatrix<f64>,
     gradient: &DVector<f64>,
     limits: &[Limit],
@@ -84,7 +84,7 @@ pub fn step_within(
             None => return Some(step),
         }
     }
-    // Limits that take turns: as far as the first one lets the step without any go.
+    // If the limits take turns: the step without limits, as far as the first limit lets it go.
     let (step, _) = step_along(matrix, gradient, limits, &[], u)?;
     let part = |limit: &Limit| match limit.taken_by(&step) {
         taken if taken > 0.0 => limit.room(u).max(0.0) / taken,

@@ -44,13 +44,13 @@ const APART: f64 = 1e-9;
 /// The model, the data, and what is fitted.
 #[derive(Clone, Debug)]
 pub(super) struct FittedModel<'a> {
-    /// At the file's values.
+    /// The rig with the file's values.
     pub rig: Rig,
-    /// The data.
+    /// The recordings.
     pub recordings: &'a [Recording],
     /// The first of the unknowns, in the order of u.
     pub parameters: Vec<Parameter>,
-    /// Of the runs.
+    /// Accuracy of the runs.
     accuracy: Accuracy,
     /// sigma of each channel, counts.
     pub noise: [f64; CHANNELS.len()],
@@ -103,17 +103,17 @@ impl<'a> FittedModel<'a> {
         }
     }
 
-    /// The same of another rig.
+    /// The same model of another rig.
     pub fn of_rig(&self, rig: Rig) -> FittedModel<'a> {
         FittedModel { rig, ..self.clone() }
     }
 
-    /// The same with more parameters.
+    /// The same model with more parameters.
     pub fn with(&self, more: &[Parameter]) -> FittedModel<'a> {
         FittedModel { parameters: [&self.parameters[..], more].concat(), ..self.clone() }
     }
 
-    /// How many numbers are unknown.
+    /// Number of unknowns.
     pub fn unknowns(&self) -> usize {
         self.parameters.len() + STARTS * self.recordings.len()
     }
@@ -325,7 +325,7 @@ pub(super) fn first_noise(recordings: &[Recording]) -> [f64; CHANNELS.len()] {
     noise
 }
 
-/// Of a channel, counts; not less than rounding.
+/// Standard deviation of a channel, counts; at least that of rounding.
 pub(super) fn noise_at_rest(recordings: &[Recording], channel: usize) -> f64 {
     let rest = rest(recordings, channel);
     (rest.squares / rest.freedom.max(1.0)).sqrt().max(ROUNDING)

@@ -31,13 +31,13 @@ pub type Strokes = &'static [(i32, f64)];
 /// Name, rest before, s, strokes.
 pub type Test = (&'static str, f64, Strokes);
 
-/// Whether the drive moves in the direction of the valve.
-pub const MOVEMENT: Test = ("movement", 0.04, &[(960, 0.15)]);
+/// The test that shows whether the drive moves in the direction of the valve.
+pub(crate) const MOVEMENT: Test = ("movement", 0.04, &[(960, 0.15)]);
 
-/// How fast it gets, and how soon.
-pub const DYNAMIC: Test = ("dynamic", 0.04, &[(drive::MAX_COUNTS as i32, 0.9)]);
+/// The test that shows the top speed and the acceleration.
+pub(crate) const DYNAMIC: Test = ("dynamic", 0.04, &[(drive::MAX_COUNTS as i32, 0.9)]);
 
-/// What is fitted.
+/// The tests for the fit.
 pub const FITTED: [Test; 6] = [
     ("extension, half open", 0.04, &[(560, 1.0)]),
     ("retraction, half open", 0.04, &[(-560, 1.0)]),
@@ -47,11 +47,11 @@ pub const FITTED: [Test; 6] = [
     ("retraction after a rest", 0.10, &[(-620, 0.8)]),
 ];
 
-/// How far a stroke goes at most, and how near to an end, as parts of the stroke.
+/// Largest travel of a stroke of the valve, and smallest distance from an end, as parts of the cylinder's stroke.
 const MAX_STROKE: f64 = 0.3;
 const FROM_END: f64 = 0.15;
 
-/// Shortest way that shows anything, as a part of the stroke.
+/// Shortest travel that shows anything, as a part of the cylinder's stroke.
 const SHORTEST: f64 = 0.1;
 
 /// Longest time of a stroke, s.

@@ -41,7 +41,7 @@ const LOGARITHMS: [(&str, f64); 4] = [
     (keys::test::PRESSURE_2_PA.key.path, 0.1),
 ];
 
-/// The same of what is known to a factor of two.
+/// The same for a quantity that is known to a factor of two.
 const VAGUE: f64 = 0.7;
 
 /// Prior standard deviation of any other logarithm.
@@ -70,7 +70,7 @@ enum Scale {
 /// A key that is fitted.
 #[derive(Clone, Debug)]
 pub struct Parameter {
-    /// The key.
+    /// Its path in the rig file, such as `load.mass_kg`.
     pub key: &'static Key,
     /// The file's value, in the unit of the key.
     pub start: f64,
@@ -136,7 +136,7 @@ impl Parameter {
     /// A key that is searched by the difference from the rig's value, in parts of `size` and not below `least`, both in
     /// its unit, and about which next to nothing is assumed. None where it is no number of the rig.
     #[must_use]
-    pub fn by_difference(rig: &Rig, path: &str, size: f64, least: f64) -> Option<Parameter> {
+    pub(crate) fn by_difference(rig: &Rig, path: &str, size: f64, least: f64) -> Option<Parameter> {
         let key = find_key(path)?;
         let Kind::Number { min, max } = key.kind else { return None };
         let scale = Scale::Difference(size.abs());
@@ -190,7 +190,7 @@ impl Parameter {
         .clamp(min, max)
     }
 
-    /// u of a value; infinite for the logarithm of 0.
+    /// u at a value; minus infinity for the logarithm of 0.
     #[must_use]
     pub fn u(&self, value: f64) -> f64 {
         match self.scale {

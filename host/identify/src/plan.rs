@@ -42,10 +42,10 @@ pub trait TestRig {
     }
 }
 
-/// Time to go back to where the plan began, s.
+/// Time to return to the position at which the plan began, s.
 const RETURN_S: f64 = 1.5;
 
-/// A movement test that goes less far shows nothing, counts.
+/// A movement test with a shorter travel shows nothing, counts.
 const MOVED: i32 = 40;
 const UNMOVED: i32 = -MOVED;
 
@@ -88,7 +88,7 @@ struct Plan<'a, B> {
     /// The rig file with either loop.
     closed: &'a Rig,
     open: &'a Rig,
-    /// Where it began.
+    /// The position at which the plan began.
     count: i32,
 }
 
@@ -124,7 +124,7 @@ impl<B: TestRig> Plan<'_, B> {
         Ok(recorded)
     }
 
-    /// Goes back to where the plan began, runs a test and records it, unless it is recorded already.
+    /// Returns to the position at which the plan began, runs a test and records it, unless it is recorded already.
     fn record_from_the_start(&mut self, test: &(&str, Rig)) -> Result<(String, TargetFile)> {
         if self.bench.kept(test.0).is_none() {
             let way_back = self.way_back()?;

@@ -21,7 +21,7 @@
 use nalgebra::{DMatrix, DVector};
 
 /// Half of a 95 % interval of the normal distribution, standard deviations.
-pub const NORMAL_95: f64 = 1.959_963_984_540_054;
+pub(crate) const NORMAL_95: f64 = 1.959_963_984_540_054;
 
 /// A parameter rests on the priors where they make more than this part of its variance.
 pub const RESTS: f64 = 0.5;
@@ -81,7 +81,7 @@ impl Posterior {
         Posterior { covariance: 0.5 * (&covariance + covariance.transpose()), by_prior, inverse, priors }
     }
 
-    /// Of an unknown, in u.
+    /// Standard error of an unknown, in u.
     #[must_use]
     pub fn standard_error(&self, i: usize) -> f64 {
         self.covariance[(i, i)].max(0.0).sqrt()
@@ -90,7 +90,7 @@ impl Posterior {
     /// How far residuals of a norm can move an unknown, in u: C J' d is largest where d has the direction of what the
     /// unknown does to the data.
     #[must_use]
-    pub fn max_shift(&self, i: usize, norm: f64) -> f64 {
+    pub(crate) fn max_shift(&self, i: usize, norm: f64) -> f64 {
         let by_priors: f64 =
             (0..self.priors.len()).map(|j| self.by_prior[(i, j)] * self.inverse[(i, j)]).sum();
         (self.inverse[(i, i)] - by_priors).max(0.0).sqrt() * norm
@@ -104,7 +104,7 @@ impl Posterior {
 
     /// The part of the variance of `i` that the priors make.
     #[must_use]
-    pub fn part_of_priors(&self, i: usize) -> f64 {
+    pub(crate) fn part_of_priors(&self, i: usize) -> f64 {
         (0..self.priors.len()).map(|j| self.part_of_prior(i, j)).sum()
     }
 
@@ -120,12 +120,6 @@ impl Posterior {
         let mut parts: Vec<_> = parts.collect();
         parts.sort_by(|a, b| b.1.total_cmp(&a.1));
         parts
-    }
-
-    /// The step of the unknowns towards the minimum with all of them free, for the gradient J' r.
-    #[must_use]
-    pub fn shift(&self, gradient: &DVector<f64>) -> DVector<f64> {
-        -(&self.inverse * gradient)
     }
 
     /// Correlation of the errors of the first `n` unknowns.

@@ -75,7 +75,7 @@ pub struct Channel {
     pub offset: f64,
     /// SI per count.
     pub scale: f64,
-    /// What the rest at its beginning tells of the noise.
+    /// The noise that the rest at its beginning shows.
     pub rest: Rest,
 }
 
@@ -91,13 +91,13 @@ pub struct Rest {
 /// A record.
 #[derive(Clone, Debug)]
 pub struct Recording {
-    /// Where it comes from.
+    /// Where it comes from, for messages.
     pub name: String,
     /// When its samples were taken and its commands driven.
     pub timing: Timing,
-    /// Command by command.
+    /// The commands, one for each sample.
     pub commands: Vec<Command>,
-    /// In the order of [`CHANNELS`].
+    /// The channels, in the order of [`CHANNELS`].
     pub channels: [Channel; CHANNELS.len()],
     /// Position, m, and pressures, Pa, of the first sample.
     pub start: [f64; STARTS],
@@ -189,7 +189,7 @@ impl Recording {
         let full_scale = f64::from((1u32 << parameter(id::SENSOR_BITS)) - 1);
         let mut channels = Converters { scales, full_scale, rest, dithered }.channels(&recorded, rig);
         if stepper || file.is_unknown("spool") {
-            // SPLLOC is what was asked for, not what was measured.
+            // SPLLOC is the requested position, not a measured one.
             channels[3].taken.clear();
         }
         let start = [0, 1, 2].map(|c| channels[c].offset + channels[c].measured[0] * channels[c].scale);
@@ -339,7 +339,7 @@ impl Converters {
     }
 
     fn channel(&self, measured: Vec<f64>, [offset, scale]: [f64; 2]) -> Channel {
-        // What stands at an end of the converter is not known.
+        // A reading at an end of the converter's range is unknown.
         let within = |k: &usize| measured[*k] > 0.0 && measured[*k] < self.full_scale;
         let rest = Rest::of(&measured[..self.rest], self.dithered);
         let all = if rest.is_rounding() { independent(&measured, 1) } else { (0..measured.len()).collect() };

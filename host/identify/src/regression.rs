@@ -47,7 +47,7 @@ impl Line {
 
     /// Through points and the origin; None where fewer than two, or all at x = 0.
     #[must_use]
-    pub fn through_origin(points: &[(f64, f64)]) -> Option<Line> {
+    pub(crate) fn through_origin(points: &[(f64, f64)]) -> Option<Line> {
         let spread: f64 = points.iter().map(|(x, _)| x * x).sum();
         if points.len() < 2 || spread == 0.0 {
             return None;

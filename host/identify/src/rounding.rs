@@ -21,7 +21,7 @@ use super::recording::CHANNELS;
 /// Noise that is tried, counts.
 const TRIED: [f64; 5] = [0.0, 0.05, 0.1, 0.2, 0.3];
 
-/// Terms of the sum.
+/// Terms of the series.
 const TERMS: i32 = 12;
 
 /// Rounding is known where its loss makes the scatter of the residuals smaller by this part.
@@ -33,9 +33,9 @@ const FIRST: usize = 1;
 /// Residuals without the rounding that the model knows.
 #[derive(Clone, Debug)]
 pub(super) struct Whitened {
-    /// Those of all channels.
+    /// The residuals of all channels.
     pub residuals: DVector<f64>,
-    /// Of which channels rounding is known.
+    /// The channels whose rounding is known.
     pub rounded: [bool; CHANNELS.len()],
 }
 

@@ -24,8 +24,8 @@ const SCAN: [f64; 8] = [-0.2, -0.12, -0.07, -0.03, 0.03, 0.07, 0.12, 0.2];
 const ROUNDS: usize = 4;
 const SAME_NOISE: f64 = 0.03;
 
-/// Times that a search looks beyond the jumps around its minimum, from how many points, and how far away in standard
-/// errors.
+/// Number of times that a search looks beyond the jumps around its minimum, the number of points it tries, and how far away
+/// they are in standard errors.
 const LOOKS: usize = 3;
 const POINTS: usize = 36;
 const AWAY: [f64; 3] = [1.0, 2.0, 4.0];
@@ -41,7 +41,7 @@ pub(super) fn cannot_follow(model: &FittedModel, u: &[f64]) -> anyhow::Error {
 
 /// Where a search ended.
 pub(super) struct Termination {
-    /// The best minimum.
+    /// The best minimum that was found.
     pub found: Found,
     /// The effects that explain its residuals, if they have been searched for.
     pub causes: Option<Causes>,

@@ -49,7 +49,7 @@ pub struct Band {
     pub ratio: f64,
     /// How often noise has as large a ratio.
     pub chance: f64,
-    /// Sum of squares beyond that of the noise, in what residuals are told in; 0 where it may be chance.
+    /// Sum of squares beyond that of the noise, in the squared unit of the residuals; 0 where it may be chance.
     pub excess: f64,
 }
 
@@ -68,7 +68,7 @@ impl Band {
 pub struct Spectrum {
     /// All bands that can be judged.
     pub bands: Vec<Band>,
-    /// Standard deviation of the noise of each channel, in that which the residuals are told in.
+    /// Standard deviation of the noise of each channel, in the unit of the residuals.
     pub noise: [Option<f64>; CHANNELS.len()],
     /// Places in [`CHANNELS`] of those whose samples are too few to be judged.
     pub unjudged: Vec<usize>,
@@ -90,11 +90,11 @@ impl Energy {
 /// What rests have shown of a channel's noise.
 #[derive(Clone, Copy, Debug)]
 pub struct AtRest {
-    /// Standard deviation over that which residuals are told in.
+    /// Standard deviation, in the unit of the residuals.
     pub noise: f64,
     /// Independent readings; infinite where rounding is all there is.
     pub freedom: f64,
-    /// Standard deviation of rounding, likewise: noise is not less.
+    /// Standard deviation of rounding, in the same unit; noise is not below it.
     pub rounding: f64,
 }
 
@@ -203,13 +203,13 @@ impl Spectrum {
 
     /// Whether all that remains is noise; not where nothing can be judged.
     #[must_use]
-    pub fn is_noise(&self) -> bool {
+    pub(crate) fn is_noise(&self) -> bool {
         self.is_testable() && !self.is_more_than_noise()
     }
 
     /// Whether more than noise remains; not where nothing can be judged.
     #[must_use]
-    pub fn is_more_than_noise(&self) -> bool {
+    pub(crate) fn is_more_than_noise(&self) -> bool {
         self.loudest().is_some_and(|band| band.chance * (self.bands.len() as f64) < CHANCE)
     }
 
@@ -222,7 +222,7 @@ impl Spectrum {
 
     /// The band that noise explains least.
     #[must_use]
-    pub fn loudest(&self) -> Option<&Band> {
+    pub(crate) fn loudest(&self) -> Option<&Band> {
         let order = |a: &&Band, b: &&Band| a.chance.total_cmp(&b.chance).then(b.ratio.total_cmp(&a.ratio));
         self.bands.iter().min_by(order)
     }
@@ -244,7 +244,7 @@ fn bands() -> impl Iterator<Item = [f64; 2]> {
     lower.zip(EDGES).map(|(low, high)| [low, high])
 }
 
-/// The transform's places within a band, of `n`.
+/// The indices of a transform of `n` values that lie in a band.
 fn rows([low, high]: [f64; 2], n: usize) -> Range<usize> {
     let place = |edge: f64| (edge * n as f64).ceil() as usize;
     place(low)..place(high)

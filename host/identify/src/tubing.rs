@@ -28,7 +28,7 @@ const MAX_FLOW: f64 = 1e3;
 /// # Errors
 /// When it is not such a table, with the line.
 pub fn drop_slope(bytes: impl AsRef<[u8]>, reference_flow: f64) -> Result<Figure> {
-    // A point without flow lies on every line through the origin, and says nothing of how well one fits.
+    // A point without flow lies on every line through the origin, so it does not show how well a line fits.
     let flowing = points(&Table::read_whole(bytes)?)?.into_iter().filter(|(flow, _)| flow.abs() > NO_FLOW);
     let points: Vec<(f64, f64)> = flowing.map(|(flow, ratio)| (flow / reference_flow, ratio.ln())).collect();
     let line = Line::through_origin(&points).context("it needs at least two points with a flow")?;

@@ -336,7 +336,7 @@ impl Client {
             // A thread of its own: the rig hears its host also while `progress` waits, as for a terminal that is held.
             let following = scope.spawn(move || {
                 let tell = |status: &Status| {
-                    // Whoever hears it leaves later.
+                    // The receiver outlives this thread.
                     let _ = say.send(*status);
                 };
                 self.follow_and(interrupted, tell, |_, _| {

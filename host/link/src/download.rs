@@ -9,7 +9,7 @@ use std::collections::VecDeque;
 
 /// Requests in flight at once. Eight chunks take 40 ms at 921,600 baud: the line does not idle as long as a request and
 /// its answer take less.
-pub const WINDOW: usize = 8;
+pub(crate) const WINDOW: usize = 8;
 
 /// The state of a download.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -81,13 +81,13 @@ impl Download {
     }
 
     /// Records a silence that was too long: all requested chunks are lost.
-    pub fn fell_silent(&mut self) {
+    pub(crate) fn fell_silent(&mut self) {
         self.lost.extend(self.asked.drain(..));
     }
 
     /// Whether all chunks are there.
     #[must_use]
-    pub fn is_complete(&self) -> bool {
+    pub(crate) fn is_complete(&self) -> bool {
         self.missing == 0
     }
 

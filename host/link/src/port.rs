@@ -250,7 +250,11 @@ fn closed_by_the_rig() -> io::Error {
 ///
 /// # Errors
 /// When the port is gone, or accepts nothing for too long: then a part may have been sent.
-pub fn write_within(stream: &mut (impl Write + ?Sized), mut bytes: &[u8], wait: Duration) -> io::Result<()> {
+pub(crate) fn write_within(
+    stream: &mut (impl Write + ?Sized),
+    mut bytes: &[u8],
+    wait: Duration,
+) -> io::Result<()> {
     let deadline = Instant::now() + wait;
     while !bytes.is_empty() {
         let taken = match stream.write(bytes) {

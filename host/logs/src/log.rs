@@ -17,7 +17,7 @@ pub struct Series {
     pub name: String,
     /// When the file says it, the time of each value, s from the first message.
     pub clock_s: Option<Vec<f64>>,
-    /// Not a number if there is none.
+    /// The values; NaN where there is no number.
     pub values: Vec<f64>,
 }
 
@@ -26,7 +26,7 @@ pub struct Series {
 pub struct Log {
     /// The name of the file.
     pub name: String,
-    /// In the order of the file; none of a table.
+    /// The series in the order of the file; empty for a table.
     pub series: Vec<Series>,
     /// None of an MCAP file.
     pub table: Option<Table>,

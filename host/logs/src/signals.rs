@@ -14,9 +14,9 @@ use pneudrive_sim::rig::unit;
 /// A quantity over time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Signal {
-    /// With its unit at the end.
+    /// Its name, with the unit at the end.
     pub name: String,
-    /// One value a sample; not a number where it is unknown.
+    /// Its values, one for each sample; NaN where it is unknown.
     pub values: Vec<f64>,
 }
 
@@ -25,9 +25,9 @@ pub struct Signal {
 pub struct Signals {
     /// Facts about all samples: the header of a record, the rig of a run; the unit of each signal.
     pub about: Vec<(String, String)>,
-    /// s, from the start of the test; grows from sample to sample.
+    /// Times from the start of the test, s; they increase from sample to sample.
     pub time_s: Vec<f64>,
-    /// As long as the time each.
+    /// The signals, each with one value per time.
     pub signals: Vec<Signal>,
 }
 
@@ -39,7 +39,7 @@ impl Signals {
     pub fn read(path: &Path) -> Result<Signals> {
         let mut signals = match path.is_dir() {
             true => Signals::of_run(StoredRun::read(path)?),
-            // A transient refuses a part of a run folder.
+            // A transient cannot be made from a part of a run folder.
             false => Signals::of_record(&Transient::read(path)?, &TargetFile::read(path)?)?,
         };
         let units = signals.signals.iter().map(|signal| {

@@ -5,8 +5,9 @@
 //! cargo run --release -p pneudrive-optimise --example drawn_positioning -- [DRIVES] [DRAWS OF EACH] [FIRST SEED]
 //! ```
 //!
-//! A line for each law: drives, steps, the shares within 1, 0.2 and 0.05 mm, those that still move, those that trip, and on how many
-//! drives all steps end within 0.2 mm. The drives on which a step of the law `cascade` does not, or still moves, go to stderr.
+//! A line for each law: drives, steps, the shares within 1, 0.2 and 0.05 mm, those that still move, those that trip, and on
+//! how many drives all steps end within 0.2 mm. The drives on which a step of the law `cascade` does not, or still moves, go
+//! to stderr.
 
 #[path = "../../design/tests/drawn/mod.rs"]
 mod drawn;

@@ -4,11 +4,12 @@
 //! cargo run --release -p pneudrive-optimise --example sensor_faults -- [DRIVE ...] [KEY=VALUE ...]
 //! ```
 //!
-//! A DRIVE is one of the six of the catalogue; without one, all are measured. `draws=20 seed=1 range=1 bristles=1` as in the example
-//! `positioning`; `sines=2`: a sine of so many Hz instead of a step there, back and there again. `at=0.25`: s at which the sensor fails, 0.05 s
-//! after the first move begins; `at=0` before it has been read. Other keys with a point are settings of the rig. A line for each kind of
-//! fault: runs that trip, and for those that do the time from the fault to the trip and how far the load moved in it, median and worst;
-//! for those that do not the largest error at the end. The line `none` counts false trips.
+//! A DRIVE is one of the six of the catalogue; without one, all are measured. `draws=20 seed=1 range=1 bristles=1` as in the
+//! example `positioning`; `sines=2`: a sine of so many Hz instead of a step there, back and there again. `at=0.25`: s at
+//! which the sensor fails, 0.05 s after the first move begins; `at=0` before it has been read. Other keys with a point are
+//! settings of the rig. A line for each kind of fault: runs that trip, and for those that do the time from the fault to the
+//! trip and how far the load moved in it, median and worst; for those that do not the largest error at the end. The line
+//! `none` counts false trips.
 
 use anyhow::{Context, Result, bail};
 use pneudrive_controller::{Config, Fault, Mode, Sample, State, output, sample};

@@ -13,8 +13,8 @@
 //! with b_i = 0, 1/2, 1/4, 3/4, 1/8, ... , the binary digits of i after the point in reverse order (van der Corput). They
 //! are nearly even for any number of them, and a longer sequence contains the shorter one, so a range only grows with it.
 //!
-//! The nominal run is integrated until it has converged (see [`pneudrive_sim::convergence`]); of its perturbed runs the error is to
-//! be small beside s, for which a coarser tolerance will do.
+//! The nominal run is integrated until it has converged (see [`pneudrive_sim::convergence`]); of its perturbed runs the error
+//! is to be small beside s, for which a coarser tolerance will do.
 
 use std::f64::consts::TAU;
 use std::sync::Mutex;

@@ -120,7 +120,7 @@ pub fn compare(
     let references = runs[0].transients.clone();
     let mut variants: Vec<Variant> =
         plans.iter().zip(runs).map(|(plan, runs)| runs.compared(plan, &references)).collect();
-    // The effect of the perturbed runs alone: a difference of a model that is no larger says nothing.
+    // The effect of the perturbations alone: a model whose difference is no larger shows nothing.
     variants[0].deviations = references.iter().map(|other| deviations(&references[0], other)).collect();
     Ok(variants)
 }
@@ -140,7 +140,7 @@ impl Runs {
         } else {
             format!("{}: {}", plan.component, plan.model)
         };
-        // Alone, because other work would be in its time.
+        // It runs alone, because other work would distort its time.
         let time_over_reference = timed(plan, reference, clock)?;
         let transient = |rig: &Rig, run: &_| Transient::of_simulation(&name, rig, run);
         let ensemble = run_ensemble(

@@ -9,7 +9,7 @@
 //! | [`sensitivity`] | which value that nobody has measured moves the transient most |
 //! | [`runnable`] | which value keeps a rig from running |
 //! | [`ladder`] | what each model of a component costs, and what it changes |
-//! | [`runners`] | runs in the memory of those before |
+//! | `runners` | runs in the memory of those before |
 
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
@@ -17,7 +17,7 @@ pub mod ensemble;
 pub mod ladder;
 pub mod positioning;
 pub mod runnable;
-pub mod runners;
+mod runners;
 pub mod sensitivity;
 pub mod sweep;
 pub mod tuning;

@@ -14,8 +14,8 @@
 //! | [`bang_bang`] | the bound on the time of a step |
 //! | [`mod@beside`] | the steps of any run beside that bound |
 //!
-//! The law is that of `controller.law` in the rig file, with its gains. The same seed draws the same rigs and places, whatever the
-//! law and the number of threads, so that laws are compared on the same draws.
+//! The law is that of `controller.law` in the rig file, with its gains. The same seed draws the same rigs and places,
+//! whatever the law and the number of threads, so that laws are compared on the same draws.
 
 pub mod arrival;
 pub mod bang_bang;
@@ -50,8 +50,8 @@ pub struct Plan {
     pub seed: u64,
 }
 
-/// The result of a run: what was measured, and whether the run has converged (docs/explanation/agreement.md). Otherwise why it did not come to
-/// its end.
+/// The result of a run: what was measured, and whether the run has converged (docs/explanation/agreement.md). Otherwise why
+/// it did not come to its end.
 type Measured<T> = Result<(T, bool), String>;
 
 /// Steps of `step_mm` on the draws of a plan: the first one of each, and that after two moves.

@@ -28,7 +28,7 @@ pub struct Obstacle {
 /// A value with which the test runs.
 #[derive(Clone, Copy, Debug)]
 pub struct Remedy {
-    /// Whose value it is.
+    /// The key of the value.
     pub key: &'static Key,
     /// The value of the rig, in the unit of the key.
     pub value: f64,

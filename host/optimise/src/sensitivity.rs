@@ -2,8 +2,8 @@
 //!
 //! Each value that is a default, typical or unknown is set to either end of its range, or 10 % below and above if it has
 //! none, and the rig's test is run. The effect is the largest deviation of the piston from its position with the file's
-//! value, at any sample. It must exceed the deviation of members of the ensemble of the run: a closed loop that is sensitive to tiny
-//! changes is so for every value.
+//! value, at any sample. It must exceed the deviation of members of the ensemble of the run: a closed loop that is sensitive
+//! to tiny changes is so for every value.
 
 use pneudrive_records::judged::Spacing;
 use pneudrive_sim::rig::{Key, Kind, Origin, Problems, Source, Value};
@@ -22,9 +22,9 @@ pub(crate) const PHYSICAL: [&str; 7] =
 /// The effect of a value on the transient of the test.
 #[derive(Clone, Debug)]
 pub struct Effect {
-    /// Whose value it is.
+    /// The key of the value.
     pub key: &'static Key,
-    /// Where that comes from.
+    /// The origin of the value.
     pub origin: Origin,
     /// The values that were tried, in the unit of the key.
     pub ends: [f64; 2],

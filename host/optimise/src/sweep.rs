@@ -117,7 +117,7 @@ impl Sweep {
     /// The columns between those of the axes and the last two: the metrics; of an ensemble the ends of their ranges;
     /// and whether a point has converged, if it is no draw.
     #[must_use]
-    pub fn figure_columns(&self) -> Vec<String> {
+    pub(crate) fn figure_columns(&self) -> Vec<String> {
         let own = self.metrics.iter().map(|metric| metric.name.clone());
         let ends = self.metrics.iter().filter(|_| self.ensemble > 1);
         let ends = ends.flat_map(|metric| ENDS.map(|end| format!("{}{end}", metric.name)));

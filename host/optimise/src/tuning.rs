@@ -60,21 +60,21 @@ use search::Budget;
 /// The task.
 #[derive(Clone, Debug)]
 pub struct Task {
-    /// The rig file, for messages, and its text.
+    /// The name of the rig file, for messages, and its text.
     pub source: (String, String),
-    /// Keys that are typed, as `key=value`.
+    /// The user's settings, as `key=value`.
     pub settings: Vec<String>,
     /// Keys that no search changes, as `key=value`.
     pub fixed: Vec<String>,
     /// The requirements on a step.
     pub goal: Goal,
-    /// By how much the rig may be another one.
+    /// The spread: by how much the real rig may differ from the file.
     pub spread: Relative,
     /// Lowest and highest position of a step, mm; None: as far as the rig allows.
     pub between_mm: [Option<f64>; 2],
-    /// How many draws the gains are judged on.
+    /// Number of draws on which the gains are judged.
     pub draws: usize,
-    /// How long is looked for; no generation: the gains of the file are judged.
+    /// The size of the search; with 0 generations the gains of the file are judged.
     pub budget: Budget,
 }
 
@@ -85,7 +85,7 @@ impl Task {
         Task { draws: 1, budget: Budget { generations: 0, ..self.budget }, ..self.clone() }
     }
 
-    /// Runs that it takes at most: no candidate is given up early, and every suspect is looked at.
+    /// The largest number of runs that it takes: no candidate is given up early, and every suspect is tried.
     ///
     /// # Errors
     /// When the rig has no gains to look for.
@@ -106,15 +106,15 @@ impl Task {
 /// Gains and their results.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Found {
-    /// As `key=value`; none: the file's.
+    /// The gains, as `key=value`; empty: those of the file.
     pub settings: Vec<String>,
-    /// Their place in the searched ranges; none: the file's.
+    /// The values found, each with the range that was searched; empty: the gains of the file.
     pub places: Vec<Optimum>,
-    /// On the draws of the search.
+    /// Trials on the draws of the search.
     pub tuned_on: Vec<Performance>,
-    /// On the rig of the file and its perturbed runs; none where that was not looked at.
+    /// Trials on the rig of the file and its perturbed runs; empty where they were not run.
     pub members: Vec<Performance>,
-    /// On the fresh draws.
+    /// Trials on the fresh draws.
     pub fresh: Vec<Performance>,
 }
 
@@ -127,7 +127,7 @@ impl Found {
         all.sum::<f64>() / (self.tuned_on.len() + usize::from(worst.is_some())) as f64
     }
 
-    /// On how many of the fresh draws the goal is met.
+    /// In how many of the fresh draws the goal is met.
     #[must_use]
     pub fn met(&self, goal: &Goal) -> Proportion {
         goal.met_in(&self.fresh)
@@ -156,7 +156,7 @@ pub struct Tuned {
 impl Tuned {
     /// Whether other gains than the file's were found.
     #[must_use]
-    pub fn is_changed(&self) -> bool {
+    pub(crate) fn is_changed(&self) -> bool {
         !self.after.settings.is_empty()
     }
 }

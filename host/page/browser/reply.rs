@@ -45,7 +45,7 @@ fn answered(request: &[u8], hears: &mut (dyn FnMut(Value) + Send)) -> Result<Ans
     match request.as_str() {
         "rigs" => Ok(Answer::Json(rigs::list(&Opened::builtin(FIRST)?))),
         "port" => Ok(Answer::Json(json!({ "port": null }))),
-        // A worker that is wanted no more is ended by its page.
+        // The page ends a worker that it no longer needs.
         "study" => Study::read(&body)?.work(Audience { hears, waits: &|| true }).map(Answer::Json),
         _ => answer(&request, &body, &|| true),
     }

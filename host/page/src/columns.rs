@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 /// Numbers over time, with their description.
 #[derive(Clone, Debug)]
 pub struct Columns {
-    /// s.
+    /// Times, s.
     pub time: Vec<f64>,
     /// Name, unit and numbers of each other column.
     pub columns: Vec<Column>,
@@ -25,7 +25,7 @@ pub struct Column {
     pub name: &'static str,
     /// The displayed unit.
     pub unit: &'static str,
-    /// As many as there are times.
+    /// The values: one for each time.
     pub values: Vec<f32>,
 }
 

@@ -130,7 +130,8 @@ fn figures(record: &Record, recorded: &Transient, rig: &Rig) -> Value {
 }
 
 impl Record {
-    /// What the law of the record knew, if that of the page's rig has a model of its drive and the record can be replayed with it.
+    /// What the law of the record knew, if that of the page's rig has a model of its drive and the record can be replayed
+    /// with it.
     fn known(&self, asked: &PageRig) -> Vec<(&'static Extra, Vec<f64>)> {
         let (Ok(rig), Ok(file)) = (asked.rig(), self.target()) else { return Vec::new() };
         let Ok(replay) = replay_of_rig(&self.name, &file, &rig) else { return Vec::new() };

@@ -13,7 +13,8 @@ pub fn of(law: Law) -> Vec<&'static str> {
     of_law.chain(limits).chain([&controller::PERIOD_S.key]).map(|key| key.path).collect()
 }
 
-/// What shapes the motion: gains; of the law that has a model of its drive, the numbers that are free (docs/explanation/control.md).
+/// What shapes the motion: gains; of the law that has a model of its drive, the numbers that are free
+/// (docs/explanation/control.md).
 fn gains(law: Law) -> Vec<&'static Key> {
     use controller::*;
     match law {
@@ -54,7 +55,7 @@ fn gains(law: Law) -> Vec<&'static Key> {
     }
 }
 
-/// The place of a key among them, from 0, under each law by its word; none where it is not among them.
+/// The rank of a key in that list, from 0, for each law by name; a law whose list lacks the key is left out.
 #[must_use]
 pub fn places(key: &Key) -> Value {
     let place =
@@ -70,7 +71,7 @@ mod tests {
 
     use crate::press;
 
-    /// A key that has no effect would not be shown at all.
+    /// The page does not show a key that has no effect.
     #[test]
     fn each_law_has_ten_keys_at_most_and_uses_nearly_all_of_them() {
         let press = Rig::read("press.toml", &press::text()).expect("a rig");

@@ -30,7 +30,7 @@ pub mod check;
 pub mod columns;
 pub mod compare;
 pub mod difference;
-pub mod first_keys;
+mod first_keys;
 pub mod keys;
 pub mod page_rig;
 #[cfg(test)]

@@ -27,7 +27,7 @@ impl PageRig {
 
     /// The command line that simulates this rig.
     #[must_use]
-    pub fn command_line(&self) -> String {
+    pub(crate) fn command_line(&self) -> String {
         self.command("simulate", "--out sim")
     }
 

@@ -35,22 +35,22 @@ impl HttpRefusal {
         HttpRefusal::new(StatusCode::BAD_REQUEST, format!("the request cannot be read: {error}"))
     }
 
-    /// A request that its page no longer waits for.
+    /// A request whose page has stopped waiting for the answer.
     #[must_use]
     pub fn gone() -> HttpRefusal {
         HttpRefusal::new(StatusCode::GONE, "the page has gone on")
     }
 
-    /// Why work has no result: its page waits for it no more, or what `otherwise` says.
+    /// Why work has no result: its page has stopped waiting, or else what `otherwise` says.
     #[must_use]
-    pub fn gone_or(
+    pub(crate) fn gone_or(
         error: &anyhow::Error,
         otherwise: impl FnOnce(&anyhow::Error) -> HttpRefusal,
     ) -> HttpRefusal {
         if error.is::<Cancelled>() { HttpRefusal::gone() } else { otherwise(error) }
     }
 
-    /// As the page reads it.
+    /// The refusal as the page reads it.
     #[must_use]
     pub fn body(&self) -> Value {
         json!({ "error": self.message, "problems": self.problems })

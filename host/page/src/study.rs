@@ -34,9 +34,9 @@ pub enum Study {
 
 /// The page that waits for a study.
 pub struct Audience<'a> {
-    /// Receives the progress: the task, how much is done, and of how much; 0 of 0 if nobody knows.
+    /// Receives the progress: the task, the work done and the total; 0 of 0 where the total is unknown.
     pub hears: &'a mut (dyn FnMut(Value) + Send),
-    /// Whether it still waits. Once it does not, no more runs begin.
+    /// Whether the page still waits; once it does not, no further run begins.
     pub waits: &'a (dyn Fn() -> bool + Sync),
 }
 
@@ -64,7 +64,7 @@ impl Study {
     /// Runs the study while somebody waits.
     ///
     /// # Errors
-    /// Its problems, or that nobody waits any more.
+    /// The problems of the request, or that the page has stopped waiting.
     pub fn work(&self, audience: Audience<'_>) -> Result<Value, HttpRefusal> {
         match self {
             Study::Sweep(asks) => asks.work(audience),

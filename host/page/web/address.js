@@ -1,15 +1,15 @@
-// What the address says of the page: its view, its rig, and the graphs that are shown.
+// The state of the page in its address: its view, its rig, and the graphs that are shown.
 //
 // `#view=study&rig=servo-c&graphs=position,velocity`: behind the #, so the browser keeps it to itself.
 
-/** What the address has now; what it does not have is undefined. */
+/** The state in the address; fields that it lacks are undefined. */
 export function readAddress() {
   const said = new URLSearchParams(location.hash.slice(1));
   const graphs = said.get('graphs')?.split(',').filter(Boolean);
   return { view: said.get('view') ?? undefined, rig: said.get('rig') ?? undefined, graphs };
 }
 
-/** Puts something else into the address; `isStep`: Back returns to what it has now. */
+/** Puts another state into the address; `isStep`: Back returns to the present one. */
 export function writeAddress(changes, isStep = false) {
   const { view, rig, graphs } = { ...readAddress(), ...changes };
   const said = new URLSearchParams();

@@ -1,6 +1,6 @@
-// What a request is answered with.
+// Answers to requests.
 
-/** A request that was refused: why, and what is wrong with the rig if that is why. */
+/** A request that was refused: the reason, and the problems of the rig if they are the reason. */
 export class Refused extends Error {
   constructor(status, { error, problems }) {
     super(error ?? `the request was answered with ${status}`);
@@ -9,7 +9,7 @@ export class Refused extends Error {
   }
 }
 
-/** Takes the bytes apart that `columns.rs` describes. */
+/** Splits the bytes that `columns.rs` describes into columns. */
 export function columnsOf(buffer) {
   const length = new DataView(buffer).getUint32(0, true);
   const head = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 4, length)));

@@ -1,18 +1,18 @@
-// One of several parallel axes: its scale, its ticks, and the part of it that selects.
+// One of several parallel axes: its scale, its ticks, and the range on it that is selected.
 
 import { scaleOf, ticks, tickText } from './scale.js';
 import { place, svg } from './svg.js';
 
-/** Pixels of the drawing: where axes begin and end, and how far below them stands what has no value. */
+/** Ends of the axes, and the row below them for missing values, pixels. */
 export const [TOP, BOTTOM, NONE] = [46, 246, 22];
 
-/** A key moves an end of the part by this share of the axis; with Page up and Page down by ten of them. */
+/** Step of an end of the range per key press, as a share of the axis; Page up and Page down take ten steps. */
 const STEPS = 50;
 
-/** How far a pointer may move while it clicks, pixels. */
+/** Largest motion of a pointer that still counts as a click, pixels. */
 const CLICK = 4;
 
-/** An axis at a place across. `changed()` hears of every change of the part that selects. */
+/** An axis at a horizontal position. `changed()` is called when the selected range has changed. */
 export class Axis {
   #ends;
   #part;
@@ -35,12 +35,12 @@ export class Axis {
     this.#show();
   }
 
-  /** Where a value stands. */
+  /** The position of a value on the axis. */
   yOf(value) {
     return value === null ? BOTTOM + NONE : this.#y(this.#numberOf(value));
   }
 
-  /** Whether a value is in the part that selects; all are while it is the whole axis. */
+  /** Whether a value is in the selected range; every value is while the range is the whole axis. */
   selects(value) {
     if (this.#isWhole) return true;
     const number = value === null ? NaN : this.#numberOf(value);
@@ -65,7 +65,7 @@ export class Axis {
     ]);
   }
 
-  /** What takes the pointer: a drag selects a part, a click the whole axis. */
+  /** Handles the pointer: a drag selects a range, a click the whole axis. */
   #ground() {
     const ground = svg('rect', { class: 'ground', x: this.x - 14, y: TOP - 6, width: 28, height: BOTTOM - TOP + 12 });
     let from = null;
@@ -88,7 +88,7 @@ export class Axis {
     return ground;
   }
 
-  /** An end of the part, which keys move. */
+  /** An end of the range, which keys move. */
   #handle(label, which) {
     const handle = svg('rect', { class: 'end', tabindex: 0, role: 'slider', width: 16, height: 6, x: this.x - 8, 'aria-label': label, 'aria-orientation': 'vertical' });
     const [low, high] = this.#ends;

@@ -9,7 +9,7 @@ export class BringUp {
   #parts = {};
   #isOn = false;
   #report = null;
-  /** What came of it, once it is over: the report and the drive's last word of it come in any order. */
+  /** The outcome, once the checks are over: the report and the last state of the drive may come in either order. */
   #summary = '';
 
   constructor(callbacks) {
@@ -48,13 +48,13 @@ export class BringUp {
     return this.#isOn;
   }
 
-  /** Whether it may begin. */
+  /** Whether the checks may begin. */
   enable(mayBegin) {
     this.#parts.begin.disabled = !mayBegin || this.#isOn;
     this.#parts.abort.disabled = !this.#isOn;
   }
 
-  /** Shows where it is. */
+  /** Shows the progress. */
   heard({ is_on: isOn, now, question, checks }) {
     this.#isOn = isOn;
     this.#parts.now.textContent = isOn ? now : this.#summary;
@@ -104,7 +104,7 @@ export class BringUp {
   }
 }
 
-/** A check that is over. */
+/** A finished check. */
 function itemOf({ name, saw, must, verdict, advice }) {
   const isWrong = verdict === 'wrong';
   return html('li', { class: verdict.replace(' ', '-') }, html('strong', {}, verdict), ` ${name}: ${saw}`,

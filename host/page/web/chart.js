@@ -25,7 +25,7 @@ function coloursOf(element) {
   return { ground: style.getPropertyValue('--surface'), text: style.getPropertyValue('--text') };
 }
 
-/** A line of words in a picture. */
+/** A line of text in a picture. */
 function words(text, height = 20) {
   return { width: SIZE.width, height, draw: (context) => {
     context.font = '12px system-ui, sans-serif';
@@ -51,7 +51,7 @@ function partOf(panel) {
   } };
 }
 
-/** How each canvas is drawn again: in other colours while it is printed. */
+/** Redraws each canvas, in other colours while the page is printed. */
 const REDRAW = new WeakMap();
 
 onPrint(() => document.querySelectorAll('figure canvas').forEach((canvas) => REDRAW.get(canvas)?.()));
@@ -158,7 +158,7 @@ function drawGrid(context, x, y) {
   context.stroke();
 }
 
-/** A curve; a number that is none leaves a gap. */
+/** A curve; a value that is not a number leaves a gap. */
 function line(context, { x, y, colour, look }, acrossAt, upAt) {
   context.strokeStyle = colour;
   context.lineWidth = 1.3;

@@ -12,23 +12,28 @@ import { Readouts } from './readouts.js';
 import { Scope } from './scope.js';
 import { html } from './svg.js';
 
-/** How often the page is heard, ms: a drive that moves is disarmed where it is not heard for 300. */
+/** Interval of the page's signs of life, ms: a moving drive is disarmed after 300 ms without one. */
 const ALIVE = 100;
 
-/** How often a held button is confirmed, ms. */
+/** Interval in which a held button is confirmed, ms. */
 const HELD = 100;
 
 /** Rates of a jog, mm/s, and lengths of a step, mm. */
 const RATES = [1, 2, 5, 10, 20, 50];
 const STEPS = [0.05, 0.1, 0.5, 1, 5, 10, 50];
 
-/** Orders that leave the message of the server as it is. */
+/** Orders that leave the message of the server unchanged. */
 const QUIET = ['alive', 'retract', 'extend'];
 
 /**
- * The panel of the drive, and its figures in large letters. `callbacks.rig()` is the rig of the page, `callbacks.stroke()` its stroke, mm; `callbacks.seen(run, begun, cursor)` hears what is to be on the graphs,
- * `callbacks.ended()` that they are free, `callbacks.alarm(text)` what every view must show, or '', `callbacks.recorded({ name, text })` of a record, `callbacks.identify(name)` that the values of the rig
- * are to be found from it; `callbacks.hasRecord(name)` says whether it lies on the page.
+ * The panel of the drive, and its figures in large letters.
+ *
+ * `callbacks.rig()` is the rig of the page, `callbacks.stroke()` its stroke, mm, and `callbacks.hasRecord(name)` says whether a
+ * record lies on the page. The panel calls
+ * - `callbacks.seen(run, begun, cursor)` with the run for the graphs, and `callbacks.ended()` when they are free,
+ * - `callbacks.alarm(text)` with a warning for every view, or '',
+ * - `callbacks.recorded({ name, text })` with a record,
+ * - `callbacks.identify(name)` to have the values of the rig found from that record.
  */
 export class Commission {
   #element;
@@ -103,12 +108,12 @@ export class Commission {
     );
   }
 
-  /** The rig of the page may be another. */
+  /** The rig of the page may have changed. */
   designChanged() {
     this.#parameters.designChanged();
   }
 
-  /** The page may have other records. */
+  /** The records of the page may have changed. */
   recordsChanged() {
     if (this.#parts.identify) this.#parts.identify.disabled = this.#recorded === null || !this.#callbacks.hasRecord(this.#recorded);
   }
@@ -133,7 +138,7 @@ export class Commission {
     this.#callbacks.alarm(problem && `NOT STOPPED: ${problem}`);
   }
 
-  /** Gives the drive up; it is disarmed. */
+  /** Gives up the command of the drive, which is disarmed. */
   leave() {
     this.#end?.abort();
   }
@@ -186,14 +191,14 @@ export class Commission {
     this.#scope.heard(line);
   }
 
-  /** Tells a message of the server once: the page may have something else to tell since. */
+  /** Shows a message of the server once: the page may have shown another message since. */
   #hear(message) {
     if (message === this.#said) return;
     this.#said = message;
     if (message || !this.#stays) this.#tell(message);
   }
 
-  /** Buttons that do something now. */
+  /** Enables the buttons that have an effect now. */
   #enable(look) {
     const isThere = look !== null && look.mode !== 'connecting';
     const { arm, disarm, retract, extend, back, on, go, home, run, record } = this.#parts;
@@ -253,7 +258,7 @@ export class Commission {
     }
   }
 
-  /** Goes to a place, mm; what is out of reach is not sent. */
+  /** Goes to a position, mm; a position out of reach is not sent. */
   #go(mm) {
     const [least, most] = this.#reach;
     if (!Number.isFinite(mm)) this.#tell('give the place in mm; nothing was sent');
@@ -268,7 +273,7 @@ export class Commission {
     return [Math.max(least ?? 0, 0), Math.min(most ?? stroke, stroke)];
   }
 
-  /** Goes a step on from where the drive is to stand, or stands if nothing says where. */
+  /** Moves a step on from the setpoint, or from the position where there is no setpoint. */
   #step(way) {
     const from = this.#look.setpoint ?? this.#look.position;
     this.#go(Number((from + way * Number(this.#parts.step.value)).toFixed(3)));

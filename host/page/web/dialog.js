@@ -39,12 +39,12 @@ function stopOf() {
   return [button];
 }
 
-/** Tells something: a text, or elements. */
+/** Shows a message: a text, or elements. */
 export function told(title, content) {
   return asked(title, typeof content === 'string' ? [html('p', {}, content)] : content, 'OK', () => true, '');
 }
 
-/** Whether a question waits for its answer. */
+/** Whether a question is open. */
 export function isAsking() {
   return document.getElementById('dialog') !== null;
 }

@@ -31,7 +31,7 @@ function read(place) {
   }
 }
 
-/** The changes to a rig that were kept; null without any. To a file that is another by now they are one step. */
+/** The stored changes to a rig; null without any. If its file has changed since, they become one step. */
 export function editsOf({ name, text }) {
   const found = read(PLACE + name);
   if (!found || found.text === text) return found?.history ?? null;
@@ -39,7 +39,7 @@ export function editsOf({ name, text }) {
   return Object.keys(settings).length ? { past: [{}], future: [], settings } : null;
 }
 
-/** A rig that was changed and that the studio does not have, by its name; null without one. */
+/** The name of a changed rig that the studio does not have; null without one. */
 export function rigWithEdits(name) {
   const found = read(PLACE + name);
   return found ? { name, text: found.text } : null;

@@ -1,4 +1,4 @@
-// What a study has found: notes, tables and graphs, as the page of its command has them.
+// The result of a study: notes, tables and graphs, as on the page of its command.
 
 import { chartOf } from './chart.js';
 import { tableOf } from './figures.js';

@@ -22,7 +22,7 @@ export function offer(name, content) {
   setTimeout(() => URL.revokeObjectURL(link.href), 10000);
 }
 
-/** Copies what a field holds; its button tells that it is done. */
+/** Copies the content of a field; the button confirms it. */
 export async function copyFrom(field, button) {
   field.select();
   await navigator.clipboard.writeText(field.value).catch(() => document.execCommand('copy'));

@@ -61,7 +61,7 @@ export class Figures {
   }
 }
 
-/** With a capital. */
+/** The text with a capital. */
 function sentence(text) {
   return text.charAt(0).toUpperCase() + text.slice(1);
 }

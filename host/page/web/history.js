@@ -22,8 +22,8 @@ export class History {
   }
 
   /**
-   * The same steps, told as changes to a file that has the present settings in it. `before(path)` is the setting that a key had in the
-   * old file, null where it had none: undo goes back no further than that.
+   * The same steps as changes to a file that holds the present settings. `before(path)` is the setting of a key in the old
+   * file, null where it had none: undo goes back no further than that.
    */
   rebased(before) {
     const saved = Object.keys(this.settings);
@@ -39,13 +39,13 @@ export class History {
     return made;
   }
 
-  /** Gives a key a value, as it is typed; null: that of the file. The step ends with `keep`. */
+  /** Gives a key a value, as it was typed; null: the value of the file. The step ends with `keep`. */
   set(path, text) {
     const { [path]: _, ...others } = this.settings;
     this.settings = text === null ? others : { ...others, [path]: text };
   }
 
-  /** Ends a step. Whether anything has changed in it. */
+  /** Ends a step; returns whether anything changed in it. */
   keep() {
     if (JSON.stringify(this.settings) === JSON.stringify(this.#kept)) return false;
     this.#past.push(this.#kept);

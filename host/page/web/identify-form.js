@@ -20,7 +20,7 @@ export class IdentifyForm {
     this.element.addEventListener('input', () => callbacks.changed());
   }
 
-  /** The page has other records. */
+  /** The records of the page have changed. */
   show() {
     const names = this.#callbacks.records().map(({ name }) => {
       const box = html('input', { type: 'checkbox', value: name, checked: !this.#unused.has(name) });
@@ -55,7 +55,7 @@ export class IdentifyForm {
     this.#unknowns.replaceChildren(...this.#boxes.map(({ element }) => element));
   }
 
-  /** As the request has it: all that may be unknown is what the command fits by itself, so none is no choice. */
+  /** The keys for the request; none if all unknowns are selected: the command fits those by default. */
   body() {
     const chosen = this.#boxes.filter(({ box }) => box.checked).map(({ path }) => path);
     if (this.#boxes.length && !chosen.length) throw new Error('choose what is unknown');

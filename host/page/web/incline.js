@@ -2,10 +2,10 @@
 
 import { place, say, svg } from './svg.js';
 
-/** Where it stands in the picture, and how large it is. */
+/** Its position and size in the picture. */
 const AT = 'translate(890 144)';
 
-/** How far the piston goes in it. */
+/** Travel of the piston in the picture. */
 const REACH = 34;
 
 /** A cylinder and its load at the angle of the load. */

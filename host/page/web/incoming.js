@@ -1,4 +1,4 @@
-// What comes to the page: files and run folders that are dropped on it, or chosen.
+// Files and run folders that are dropped on the page, or chosen.
 //
 // A file is `{ name, text }`. A run folder, as `simulate --out` writes it, is `{ name, run_json, trace_csv }`.
 

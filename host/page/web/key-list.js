@@ -2,7 +2,7 @@
 
 import { html, say } from './svg.js';
 
-/** A list of fewer keys is seen at a glance, and has no search. */
+/** A shorter list has no search: it is seen at a glance. */
 const SEARCHED = 12;
 
 /** `sections` are `{ title, keys }`, `fields` the field of each path, `placeOf(key)` the place of a key that matters first. */
@@ -10,7 +10,7 @@ export class KeyList {
   #keys;
   #fields;
   #more = null;
-  /** How many keys lie behind the click. */
+  /** Number of keys behind the click. */
   #hidden = 0;
   #count = html('summary', {});
   #nothing = html('p', { class: 'remark', hidden: true }, 'No key has these letters in its name or its meaning.');

@@ -1,8 +1,8 @@
-// How long the page takes, for measurements.
+// Times of the page, for measurements.
 
 const CHANGE = 'change to picture';
 
-/** A page that stands open for a day keeps no more than the last ones. */
+/** Number of times that are kept: a page may stay open for a day. */
 const MAX = 500;
 
 /** A change that was made at this time is a picture now. */

@@ -9,7 +9,7 @@ export function numberIn(field) {
   throw new Error(`${field.getAttribute('aria-label') ?? field.labels[0].textContent}: write a number`);
 }
 
-/** A line of a form: its label, its control, and what stands behind it. */
+/** A line of a form: its label, its control, and the text behind it. */
 export function labelled(id, label, control, behind = '') {
   return [html('p', { class: 'row' }, html('label', { for: id }, label), control, html('small', {}, behind))];
 }

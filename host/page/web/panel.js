@@ -23,7 +23,7 @@ export const PANELS = [
   { id: 'phase', unit: '', curves: ['phase', 'looseness'], height: 1, ofLaw: true },
 ];
 
-/** Whether there is something to draw on a graph. */
+/** Whether a graph has anything to draw. */
 export function isThere(panel, runs) {
   return !panel.ofLaw || runs.some((run) => panel.curves.some((name) => run.curves.has(name)));
 }

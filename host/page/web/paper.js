@@ -2,7 +2,7 @@
 
 import { html, svg } from './svg.js';
 
-/** What every picture says of where it is from. */
+/** The text on every picture that says where it is from. */
 const origin = { rig: '', version: '' };
 
 /** Tells the pictures of another rig, or of the version of the program. */

@@ -45,7 +45,7 @@ export function parallelOf({ rows, best }) {
     html('p', { class: 'across' }, 'Drag along an axis, or move its ends with the arrow keys, to select points; click on it to take all of it again.'), told);
 }
 
-/** Why the figures of a point are not to be taken as they are. */
+/** The reason not to trust the figures of a point. */
 function remarksOn({ converged, fault, failure, allowed }) {
   const isWhole = !fault && !failure;
   return [fault, failure, converged === false && 'not converged', isWhole && allowed === false && 'breaks a constraint'].filter(Boolean);

@@ -39,7 +39,7 @@ export class Parameters {
     return this.element;
   }
 
-  /** Whether there is a drive to ask; without one nothing is known of it. */
+  /** Whether there is a drive to ask; without one, its parameters are unknown. */
   enable(isThere) {
     if (isThere === this.#isThere) return;
     this.#isThere = isThere;
@@ -185,7 +185,7 @@ class Row {
     this.#edited();
   }
 
-  /** The drive has it now. */
+  /** The drive has taken the value. */
   sent() {
     this.#parameter.value = this.text;
   }

@@ -85,7 +85,7 @@ export class Picture {
     this.#parts.x = x;
   }
 
-  /** Moves everything to where it is at a time, s. */
+  /** Moves everything to its position at a time, s. */
   moveTo(time) {
     if (!this.#run || !this.#rig) return;
     const k = Math.min(placeOf(this.#run.time, time), this.#run.time.length - 1);
@@ -296,12 +296,12 @@ function box(x, y, width, height, kind = 'box') {
   return svg('rect', { x, y, width, height, rx: 6, class: kind });
 }
 
-/** A name that fits into its box. */
+/** A name, shortened to fit its box. */
 function shortened(name) {
   return name.length > 20 ? `${name.slice(0, 19)}…` : name;
 }
 
-/** A number that a rig may not tell. */
+/** A number of the rig; a rig may lack it. */
 function finiteOr(other, number) {
   return Number.isFinite(number) ? number : other;
 }
@@ -311,10 +311,10 @@ function round(number) {
   return Number.isFinite(number) ? String(Number(number.toPrecision(3))) : '–';
 }
 
-/** The colour of air whose pressure nobody measures. */
+/** The colour of air of unknown pressure. */
 const NOT_KNOWN = '#c8ced6';
 
-/** From the exhaust's pressure to the supply's. */
+/** The colours from the exhaust's pressure to the supply's. */
 function pressureColour(share) {
   const [low, high] = [[219, 231, 244], [24, 84, 152]];
   return `rgb(${low.map((part, k) => Math.round(part + (high[k] - part) * share)).join(' ')})`;

@@ -1,4 +1,4 @@
-// The move in real time.
+// Plays the move in real time.
 
 /** Moves the cursor of the graphs, from where it stands to the end. `end()` gives that, s. */
 export class Player {

@@ -33,7 +33,7 @@ export class Plot {
   /** The size of the element, pixels, and the colours: asked for once, as every question makes the browser lay out the page. */
   #size = null;
   #palette = null;
-  /** How long it took to draw, ms, for the newest frames. */
+  /** Drawing times of the newest frames, ms. */
   drawing = [];
 
   constructor(element, callbacks) {
@@ -63,7 +63,7 @@ export class Plot {
     this.#redraw();
   }
 
-  /** The run whose values the cursor tells. */
+  /** The run whose values are shown at the cursor. */
   get #run() {
     return this.#runs.at(-1);
   }
@@ -98,12 +98,12 @@ export class Plot {
     return Math.max(...this.#runs.map((run) => run.time.at(-1) ?? 0), 1e-3);
   }
 
-  /** The times that are in view, s. */
+  /** The visible time range, s. */
   get view() {
     return { from: 0, to: this.#end, ...this.#view };
   }
 
-  /** Shows what lies between two times, s; without them, all. */
+  /** Shows a time range, s; without one, the whole time. */
   zoom(from = 0, to = this.#end) {
     const isAll = from <= 0 && to >= this.#end;
     this.#view = isAll || to - from < 1e-4 ? null : { from: Math.max(from, 0), to: Math.min(to, this.#end) };
@@ -233,7 +233,7 @@ export class Plot {
     });
   }
 
-  /** The values at the cursor in words, for who does not see the graphs. */
+  /** The values at the cursor as text, for users who do not see the graphs. */
   readout() {
     if (!this.#run) return '';
     const { time, curves } = this.#run;
@@ -335,7 +335,7 @@ function colours(element) {
   return { text: of('--text'), muted: of('--muted'), grid: of('--grid'), ...Object.fromEntries(channels) };
 }
 
-/** Decimals by unit: what the controller can see, and no more. */
+/** Decimals by unit: the resolution of the controller. */
 const DECIMALS = { mm: 3, kPa: 1, 'mm/s': 1, counts: 0, K: 1, 'g/s': 3, N: 1, 'm/s2': 2, "of the file's": 3 };
 
 /** A value with the decimals of its unit. */

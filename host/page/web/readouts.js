@@ -1,4 +1,4 @@
-// What is read from across the room: position, pressures and state of the drive.
+// Position, pressures and state of the drive, large enough to read from across the room.
 
 import { valueText } from './plot.js';
 import { html, say } from './svg.js';
@@ -17,7 +17,7 @@ export class Readouts {
     element.replaceChildren(...FIGURES.map(figure));
   }
 
-  /** Shows a look at the drive; without one, that there is none. */
+  /** Shows the state of the drive at a look; without a look, that there is none. */
   show({ position, pressures = [], mode } = {}) {
     const { mode: state } = this.#parts;
     say(this.#parts.position, valueText(position ?? NaN, 'mm'));

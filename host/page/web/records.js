@@ -1,4 +1,4 @@
-// Records that lie over the run, and how far the simulation is from each.
+// Records over the run, and the deviation of the simulation from each.
 
 import { Refused } from './answer.js';
 
@@ -38,7 +38,7 @@ export class Records {
     return this.#align;
   }
 
-  /** Aligns all of them in another way. */
+  /** Aligns all records in another way. */
   set align(way) {
     this.#align = way;
     this.compareAgain();
@@ -66,7 +66,10 @@ export class Records {
     for (const { content } of [...this.#asked.values()]) this.lay(content);
   }
 
-  /** Lays a record or a run folder over the run, or one that lies there anew; an answer that is overtaken, or of no use any more, is ignored. */
+  /**
+   * Lays a record or a run folder over the run; one that lies there already is compared again. An answer is ignored if a later
+   * request has overtaken it, or nothing needs it any more.
+   */
   async lay(given) {
     const content = this.#named(given);
     const { name } = content;

@@ -1,4 +1,4 @@
-// A page to print of what is shown: figures first, then the graphs.
+// A printable page of what is shown: figures first, then the graphs.
 
 import { html } from './svg.js';
 

@@ -6,10 +6,10 @@ export { Refused };
 
 const STORED = 'pneudrive-token';
 
-/** So many connections a browser opens to one server; what is asked for beyond them waits. */
+/** Number of connections that a browser opens to one server; further requests wait. */
 const CONNECTIONS = 6;
 
-/** Those that are left to orders to the drive, so that a stop waits for nothing else: that, and the order before it. */
+/** Connections for orders to the drive alone, so that a stop never waits: one for the stop, one for the order before it. */
 const FOR_ORDERS = 2;
 
 /** Takes the token out of the address, where it would stay in the history of the browser. */
@@ -28,7 +28,7 @@ const AUTHORIZATION = `Bearer ${token()}`;
 let taken = 0;
 const waiting = [];
 
-/** Waits for a connection that is not left to orders, as long as the signal lets it. */
+/** Waits for a connection that is not reserved for orders, until the signal aborts. */
 async function takeConnection(signal) {
   signal?.throwIfAborted();
   while (taken >= CONNECTIONS - FOR_ORDERS) await turn(signal);
@@ -62,7 +62,7 @@ async function fetched(path, options) {
   throw new Refused(answer.status, await answer.json().catch(() => ({})));
 }
 
-/** Asks, and reads the answer with `read`. */
+/** Sends a request, and reads the answer with `read`. */
 async function ask(path, options, read) {
   if (path === '/api/order') return read(await fetched(path, options));
   await takeConnection(options.signal);
@@ -103,7 +103,7 @@ export async function* lines(path, signal, body = {}) {
   }
 }
 
-/** Asks for long work; `callbacks` hears how far it is. */
+/** Requests long work; `callbacks` receives its progress. */
 export async function study(body, signal, callbacks) {
   for await (const { at, found, refused, status } of lines('/api/study', signal, body)) {
     if (found) return found;

@@ -29,7 +29,7 @@ class Newest {
     this.#busy = false;
   }
 
-  /** What waits is not done. */
+  /** Drops the waiting request. */
   forget() {
     this.#waiting = null;
   }
@@ -50,7 +50,7 @@ export class Simulation {
   #pause = 0;
   #isEnsembleDue = false;
   #checked = 0;
-  /** Counts the rigs that were given up. */
+  /** Number of rigs that were given up. */
   #given = 0;
 
   /** `callbacks` has the functions `check`, `run`, `ensemble` and `failed`. */
@@ -58,7 +58,7 @@ export class Simulation {
     this.#callbacks = callbacks;
   }
 
-  /** Whether everything that was asked for has been told. */
+  /** Whether every request has been answered. */
   get isAtRest() {
     return !(this.#checks.isBusy || this.#runs.isBusy || this.#isEnsembleDue);
   }

@@ -1,4 +1,4 @@
-// How far a slider goes, and what its places mean.
+// The range of a slider, and the values of its positions.
 //
 // The range of a key is all that can be simulated, which is far more than one wants to drag through. A slider goes from a
 // quarter of the file's value to four times it, in equal ratios, within the range of the key; from the low to the high of
@@ -19,9 +19,9 @@ export function sliderFor(kind, value, stated) {
   const within = (number) => Math.min(Math.max(number, kind.min), kind.max);
   return {
     steps: STEPS,
-    /** The value at a place, 0 to STEPS. */
+    /** The value at a position, 0 to STEPS. */
     valueAt: (step) => within(rounded(low * ratio ** (step / STEPS))),
-    /** The place of a value. */
+    /** The position of a value. */
     stepOf: (number) => {
       const share = number / low > 0 ? Math.log(number / low) / Math.log(ratio) : 0;
       return Math.round(STEPS * Math.min(Math.max(share, 0), 1));

@@ -1,4 +1,4 @@
-// Which frequencies a channel holds: of the run, and of the records that lie over it.
+// The spectrum of a channel: of the run, and of the records over it.
 
 import { told } from './dialog.js';
 import { tableOf } from './figures.js';
@@ -9,7 +9,7 @@ import { html, svg } from './svg.js';
 const CHANNELS = ['position', 'velocity', 'acceleration', 'pressure 1', 'pressure 2', 'spool', 'command', 'error'];
 const [WIDTH, HEIGHT] = [720, 240];
 const BOX = { left: 64, right: WIDTH - 12, top: 8, bottom: HEIGHT - 34 };
-/** What lies below the highest amplitude by this factor is not drawn. */
+/** Amplitudes below the highest one by this factor are not drawn. */
 const DECADES = 5;
 
 /** Shows spectra in a dialog. `ask(channel, record)` gives one: of the run if there is no record. */

@@ -1,4 +1,4 @@
-// The page: what is chosen and changed, and who hears of it.
+// The page: the user's choices and changes, and the parts that receive them.
 
 import { Commission } from './commission.js';
 import { componentOf } from './components.js';
@@ -32,7 +32,7 @@ const part = (id) => document.getElementById(id);
 
 const stateLine = new StateLine(part('state'));
 
-/** Ghosts that stay: more of them are no picture any more. */
+/** Most ghosts: more of them would be no picture. */
 const MAX_GHOSTS = 6;
 
 class Studio {
@@ -47,11 +47,11 @@ class Studio {
   #ghosts = [];
   #runs = new Runs(part('runs'));
   #figures = new Figures(part('verdict'), part('figures'));
-  /** Where the values of the rig come from: how many are given, computed, typical, and so on. */
+  /** The origins of the rig's values: how many are given, computed, typical, and so on. */
   #origins = '';
-  /** What has just been done. */
+  /** The last action. */
   #news = '';
-  /** Where the rig is, if there is one. */
+  /** The port of the rig, if there is one. */
   #port = null;
 
   constructor(keys, rigs) {
@@ -136,7 +136,7 @@ class Studio {
     this.#simulate();
   }
 
-  /** Takes away what is of the rig before: this one has no run, so far. */
+  /** Removes everything that belongs to the former rig: the new one has no run yet. */
   #showNoRun() {
     this.#origins = '';
     part('command').value = '';
@@ -335,7 +335,7 @@ class Studio {
     return showSpectra(ask, records, `From ${from.toFixed(4)} s to ${to.toFixed(4)} s, the part in view`);
   }
 
-  /** Holds the rig against another, key by key. */
+  /** Compares the rig with another, key by key. */
   async #compareWith() {
     const name = await askForOther(this.#rig.name, this.opening.names, () => part('folder').click());
     if (name === null) return;

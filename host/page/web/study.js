@@ -1,4 +1,4 @@
-// The view of studies: a task, its progress, and what it has found.
+// The view of studies: a task, its progress, and its result.
 
 import { showNothing, showReport } from './exhibit.js';
 import { copyFrom, offer } from './export.js';
@@ -19,8 +19,9 @@ const TASKS = {
 const PAUSE = 150;
 
 /**
- * The panel of studies. `callbacks.rig()`, `callbacks.state()` and `callbacks.records()` are those of the page; `callbacks.port()` is where the rig is, `callbacks.take(settings)` hears
- * of values to be taken over, and `callbacks.open()` asks the user for a file.
+ * The panel of studies. `callbacks.rig()`, `callbacks.state()` and `callbacks.records()` are those of the page, and
+ * `callbacks.port()` is the port of the rig. The panel calls `callbacks.take(settings)` with values to be taken over, and
+ * `callbacks.open()` to have the user choose a file.
  */
 export class Study {
   #exhibit;
@@ -116,7 +117,7 @@ export class Study {
     this.show();
   }
 
-  /** What would be asked for. */
+  /** The request for the present form. */
   #body() {
     return { study: this.#task, ...this.#callbacks.rig(), ...this.#forms[this.#task].body() };
   }
@@ -241,13 +242,13 @@ export class Study {
   }
 }
 
-/** Why a study cannot be. */
+/** Why a study cannot run. */
 function reasonOf({ status, message }) {
   const tooLong = 'the rig and its records are longer than the 2 MiB that the studio takes; `pneudrive identify` takes longer ones';
   return status === 413 ? tooLong : message;
 }
 
-/** How far work is, in words. */
+/** The progress in words. */
 class Progress {
   #begun;
   #what = '';

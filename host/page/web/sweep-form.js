@@ -1,4 +1,4 @@
-// What a sweep varies, and what it collects.
+// The form of a sweep: what it varies, and what it collects.
 
 import { labelled, numberIn } from './numbers.js';
 import { html } from './svg.js';
@@ -44,7 +44,7 @@ export class SweepForm {
     this.#list.replaceChildren(...this.#rows.map(({ element }) => element));
   }
 
-  /** As the request has it. */
+  /** The sweep in the form of the request. */
   body() {
     const metrics = this.#figures.filter(({ box }) => box.checked).map(({ name }) => name);
     const [aim, metric] = this.#aim.value.split(' ');

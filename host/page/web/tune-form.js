@@ -1,4 +1,4 @@
-// What is asked of a step, and how long gains are looked for.
+// The form of a tuning: the requirements on a step, the spread, and the size of the search.
 
 import { labelled, numberIn } from './numbers.js';
 import { html } from './svg.js';
@@ -56,7 +56,7 @@ export class TuneForm {
     return OF_RIG.includes(name) && !this.#typed.has(name);
   }
 
-  /** As the request has it. */
+  /** The tuning in the form of the request. */
   body() {
     return { goal: Object.fromEntries(this.#fields.map(({ name, field }) => [name, this.#isUsual(name) ? null : numberIn(field)])) };
   }

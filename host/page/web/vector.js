@@ -25,7 +25,7 @@ export class VectorContext {
     this.#root.append(svg('rect', { width, height, fill: ground }));
   }
 
-  /** The picture. */
+  /** The picture as SVG. */
   get element() {
     return this.#root;
   }

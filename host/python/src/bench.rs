@@ -55,7 +55,7 @@ impl TestRig for AtDrive<'_> {
         let (_, file) = to_memory(self.client, &mut |_, _| self.meter.check())?;
         log::info!("{name} is recorded: {} samples", file.samples.len());
         self.files.push((name.to_owned(), file.clone()));
-        // Its number tells it from the others.
+        // Its number distinguishes it from the others.
         Ok((self.files.len().to_string(), file))
     }
 }

@@ -15,7 +15,7 @@ impl Log for Notes {
             return;
         }
         let text = note.args().to_string();
-        // An interpreter that is going down takes no notes.
+        // An interpreter that is shutting down accepts no notes.
         let _ = Python::try_attach(|py| {
             let logger = py.import("logging")?.call_method1("getLogger", ("pneudrive",))?;
             logger.call_method1("info", ("%s", text)).map(drop)

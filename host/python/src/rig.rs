@@ -202,7 +202,7 @@ impl Rig {
         keys: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Rig> {
         let set = given(values, keys)?;
-        // What is set, the controller knows.
+        // The controller knows the settings.
         let plant = without(&self.plant, &set);
         Rig::made(self.source.clone(), [self.settings.clone(), set].concat(), plant)
     }

@@ -137,7 +137,7 @@ fn with_ensemble(
         .install(|| run_ensemble(rig, plan.accuracy, plan.spacing, moves_of_run, tell, CancelToken::NEVER))?;
     let mut judged = ensemble.nominal;
     if plan.recording().valve {
-        // The same run again, now with a look into the valve at every row.
+        // The same run again, now with the state of the valve at every row.
         judged.run = run_recorded(rig, plan.accuracy, plan.recording(), |_, _| {})?;
         judged.columns.extend(plan.columns);
     }

@@ -76,7 +76,7 @@ impl Live {
         let mut come = lock(&self.come);
         match followed {
             Ok(Ok(lost)) => come.lost = lost,
-            // It was asked for.
+            // The caller requested it.
             Ok(Err(error)) if self.ends.load(Ordering::Relaxed) && is_interruption(&error) => {}
             Ok(Err(error)) => come.failure = Some(errors::of(&error)),
             Err(panic) => come.failure = Some(errors::of_panic(&*panic)),
@@ -99,7 +99,7 @@ impl Live {
     pub fn end(&self) {
         self.ends.store(true, Ordering::Relaxed);
         if let Some(thread) = lock(&self.thread).take() {
-            // A panic of the thread is its failure.
+            // A panic of the thread counts as its failure.
             let _ = thread.join();
         }
     }

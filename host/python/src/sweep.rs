@@ -87,7 +87,7 @@ fn of_rig(rig: &Rig, parts: &Parts<'_>) -> PyResult<Sweep> {
     let text = parts.text(&source.name)?;
     let sweep = Sweep::read(Source { name: VALUES.to_owned(), text }, |_| Ok(source.clone()));
     sweep.map_err(|mut problems| {
-        // Lines of a text that nobody has written.
+        // The user has not written this text, so its line numbers mean nothing.
         problems.0.iter_mut().for_each(|problem| problem.line = None);
         of_problems(&problems)
     })

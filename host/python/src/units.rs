@@ -34,7 +34,7 @@ impl Scale {
         let numpy = value.py().import("numpy")?;
         let exact = numpy.call_method1("subtract", (value, self.at_0))?.div(self.per_count)?;
         let counts = numpy.call_method1("rint", (exact,))?.call_method1("astype", ("int64",))?;
-        // Of a number it is a number.
+        // A number gives a number.
         if counts.hasattr("__len__")? { Ok(counts) } else { counts.call_method0("item") }
     }
 }

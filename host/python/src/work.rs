@@ -207,7 +207,7 @@ pub fn pool(threads: Option<NonZeroUsize>) -> anyhow::Result<Arc<ThreadPool>> {
         Some((owner, pool)) if *owner == process => Ok(Arc::clone(pool)),
         _ => {
             let pool = Arc::new(ThreadPoolBuilder::new().build().context("cannot start threads")?);
-            // Threads of the parent are not there to be ended.
+            // The threads of the parent do not exist here, so there is nothing to end.
             std::mem::forget(shared.replace((process, Arc::clone(&pool))));
             Ok(pool)
         }

@@ -25,11 +25,11 @@ pub const CHANNELS: [&str; 7] = [
 /// Lowest and highest values over time.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Band {
-    /// s, as in trace.csv.
+    /// Times as in trace.csv, s.
     pub time_s: Vec<f64>,
-    /// In the order of [`CHANNELS`], with their units.
+    /// Lowest values, in the order of [`CHANNELS`], with their units.
     pub low: [Vec<f64>; CHANNELS.len()],
-    /// The same.
+    /// Highest values, in the same order.
     pub high: [Vec<f64>; CHANNELS.len()],
 }
 

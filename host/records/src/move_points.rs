@@ -33,7 +33,7 @@ const KEPT: [&Key; 7] = [
     &keys::test::TEMPERATURE_2_K.key,
 ];
 
-/// A point, and the line of the table that it stands in.
+/// A point, and its line in the table.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Point {
     line: usize,
@@ -169,7 +169,7 @@ fn straightened(points: &[Point], near: f64) -> Vec<Point> {
     kept
 }
 
-/// The furthest point that a line from another one may go to, for it to be within `near` of all between them.
+/// The furthest point to which a line from another point stays within `near` of all points between them.
 fn furthest(points: &[Point], from: usize, near: f64) -> usize {
     let [mut least, mut most] = [f64::NEG_INFINITY, f64::INFINITY];
     let (begin, mut end) = (points[from], from + 1);

@@ -72,7 +72,7 @@ pub fn record_by_settings(number: u8, settings: &[String], drive: &RigParameters
             .split_once('=')
             .ok_or_else(|| anyhow!("{setting} is no KEY=VALUE, such as to_mm=120 or profile=s-curve"))?;
         let (key, value) = (key.trim(), value.trim());
-        // A word needs no quotes here.
+        // A word may be written without quotes here.
         let quoted =
             if key == "profile" { format!("{:?}", value.trim_matches('"')) } else { value.to_owned() };
         text += &format!("{key} = {quoted}\n");

@@ -20,7 +20,7 @@ const OF_SOURCES: [&str; 7] =
 /// # Errors
 /// When it cannot be written to, or is a folder of sources.
 pub fn make_writable(folder: &Path) -> Result<()> {
-    // Where the user stands, the program may write.
+    // The program may write into the current folder.
     let is_named = folder != Path::new(".");
     if let Some(name) = OF_SOURCES.iter().find(|name| is_named && folder.join(name).exists()) {
         let folder = folder.display();

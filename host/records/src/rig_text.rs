@@ -88,7 +88,7 @@ pub fn put(document: &mut DocumentMut, path: &str, item: Item) {
     };
     let table = document.entry(table).or_insert(Item::Table(Table::new()));
     if let Some(inline) = table.as_inline_table() {
-        // A comment in its braces would take the rest of the line with it.
+        // A comment inside the braces would comment out the rest of the line.
         *table = Item::Table(inline.clone().into_table());
     }
     if let Some(table) = table.as_table_like_mut() {
@@ -122,7 +122,7 @@ fn other_spellings(table: &dyn TableLike, name: &str) -> Vec<String> {
 ///
 /// # Errors
 /// When a rig file cannot have such a value.
-pub fn of_keys(keys: &serde_json::Map<String, serde_json::Value>) -> Result<String> {
+pub(crate) fn of_keys(keys: &serde_json::Map<String, serde_json::Value>) -> Result<String> {
     let mut document = DocumentMut::new();
     // Top-level keys stand before all tables.
     let (of_tables, of_top): (Vec<_>, Vec<_>) = keys.iter().partition(|(path, _)| path.contains('.'));

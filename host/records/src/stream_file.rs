@@ -343,7 +343,7 @@ mod tests {
         for (at, digit) in text.char_indices().filter(|(_, c)| c.is_ascii_digit()) {
             let other = if digit == '7' { "8" } else { "7" };
             let changed = format!("{}{other}{}", &text[..at], &text[at + 1..]);
-            // A changed key belongs to a remark: then there is no CRC, and the reader is told.
+            // A line whose key was changed is read as a remark: then there is no CRC, and the reader is told so.
             assert!(!matches!(read(&changed), Ok((_, true))), "changed digit at {at}");
         }
         let end = text.find(CRC).expect("an end");

@@ -1,4 +1,5 @@
-//! Texts that users keep, through whatever editor or system they came: with a byte order mark, with CRLF, with empty lines at the end.
+//! Texts that users keep, through whatever editor or system they came: with a byte order mark, with CRLF, with empty lines at
+//! the end.
 
 use std::fs;
 use std::path::Path;
@@ -19,15 +20,15 @@ pub fn read(path: &Path) -> Result<String> {
 ///
 /// # Errors
 /// As [`read`].
-pub fn read_own(path: &Path) -> Result<String> {
+pub(crate) fn read_own(path: &Path) -> Result<String> {
     read(path).map(|text| as_written(&text))
 }
 
 /// A text that this program wrote as it was before other programs changed its line breaks.
 #[must_use]
-pub fn as_written(text: &str) -> String {
+pub(crate) fn as_written(text: &str) -> String {
     let mut text = text.replace("\r\n", "\n");
-    // More than one CR, as repeated conversions leave.
+    // Repeated conversions leave more than one CR.
     while text.contains("\r\n") {
         text = text.replace("\r\n", "\n");
     }

@@ -10,7 +10,7 @@ use crate::rig_info::RigParameters;
 pub struct Units {
     mm_per_count: Option<f64>,
     period_s: Option<f64>,
-    /// Per raw count, and at 0.
+    /// Value per raw count, and value at a raw count of 0.
     kpa: Option<[f64; 2]>,
     spool_mm: Option<[f64; 2]>,
     open_loop: bool,

@@ -75,7 +75,7 @@ fn write(file: &mut File, pieces: &[&[u8]]) -> io::Result<()> {
 ///
 /// # Errors
 /// When the disk does not accept it.
-pub fn write_new(path: &Path, pieces: &[&[u8]]) -> io::Result<()> {
+pub(crate) fn write_new(path: &Path, pieces: &[&[u8]]) -> io::Result<()> {
     // A file of this name is of an earlier program with our number, or a trap: a link is not followed.
     let _ = fs::remove_file(path);
     let mut file = File::create_new(path)?;
@@ -124,7 +124,7 @@ impl Drop for Staged {
     }
 }
 
-/// Removes the files that programs which are gone have staged for a file.
+/// Removes the files that programs have staged for this one and that no longer run.
 fn remove_leftovers(folder: &Path, prefix: &str) {
     let number = |name: &str| name.strip_prefix(prefix)?.strip_suffix(ENDING)?.parse::<u32>().ok();
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {

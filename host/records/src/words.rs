@@ -255,7 +255,7 @@ pub fn refusal(refused: &RequestRefusal<'_>) -> String {
     }
 }
 
-/// What a rig that cannot tell its boots apart lacks.
+/// What the firmware of a rig lacks that cannot tell its boots apart.
 pub fn no_boots() -> &'static str {
     "the rig does not tell its boots apart: a duplicate of a request that the link delays past a reset can still arm and move the drive; its flash does not store their number; check the board"
 }

@@ -43,15 +43,15 @@ pub struct Panel {
 /// A shaded area between two curves over the same axis.
 #[derive(Clone, Debug, Default)]
 pub struct Shade {
-    /// For the legend.
+    /// Its name in the legend.
     pub name: String,
-    /// Along the shared axis.
+    /// Positions along the shared axis.
     pub x: Vec<f64>,
-    /// Its lower edge, as many as x.
+    /// Its lower edge, one value for each x.
     pub low: Vec<f64>,
     /// Its upper edge.
     pub high: Vec<f64>,
-    /// Such as `#1f4e9c`: of the curve that it belongs to.
+    /// Its colour, that of the curve that it belongs to, such as `#1f4e9c`.
     pub colour: &'static str,
     /// Whether each value holds until the next one.
     pub steps: bool,
@@ -76,15 +76,15 @@ pub enum Look {
 /// One curve. Values that are not numbers leave a gap.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Curve {
-    /// For the legend.
+    /// Its name in the legend.
     pub name: String,
-    /// Along the shared axis.
+    /// Positions along the shared axis.
     pub x: Vec<f64>,
-    /// As many as x.
+    /// Values, one for each x.
     pub y: Vec<f64>,
     /// How it is drawn.
     pub look: Look,
-    /// Such as `#1f4e9c`; the library's next one if None.
+    /// Its colour, such as `#1f4e9c`; None: the next colour of the library.
     pub colour: Option<&'static str>,
 }
 

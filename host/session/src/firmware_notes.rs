@@ -15,7 +15,7 @@ pub fn report_boots(client: &Client) {
 }
 
 /// Warns, once a drive is armed, of checks that are switched off.
-pub fn report_armed(off: &[Fault]) {
+pub(crate) fn report_armed(off: &[Fault]) {
     if !off.is_empty() {
         let names: Vec<&str> = off.iter().map(|check| words::fault_name(*check)).collect();
         log::warn!("the drive is armed, and will never trip with: {}", names.join(", "));
@@ -23,7 +23,7 @@ pub fn report_armed(off: &[Fault]) {
 }
 
 /// Says that the run input of an armed drive is off, and may be none. The drive is armed even if it cannot be asked.
-pub fn report_run_input(client: &mut Client) {
+pub(crate) fn report_run_input(client: &mut Client) {
     match client.io() {
         Ok(io) if io.inputs & input::RUN == 0 => log::info!(
             "the digital input run is off: if it was never on since the board's reset, it does not stop what is armed here"

@@ -1,11 +1,12 @@
 //! What is done with a rig at a port: the command and the Python package do it in the same way. The studio shares the record, the
-//! bring-up, the slow moves and the wait for a stepper; it arms and runs in steps of its own, as its page may withdraw an order in between.
+//! bring-up, the slow moves and the wait for a stepper; it arms and runs in steps of its own, as its page may withdraw an
+//! order in between.
 //!
 //! | module | holds |
 //! |---|---|
 //! | [`test_run`], [`streaming`] | a test checked, made ready, started and followed, and the file that it is streamed to |
 //! | [`slow_move`] | a drive moved by hand: slowly to a place, or by a stretch |
-//! | [`record`], [`part_file`] | the record of the last run as a TARGET file, and what an interrupted download has left |
+//! | [`record`], `part_file` | the record of the last run as a TARGET file, and what an interrupted download has left |
 //! | [`drive`] | a drive armed, and told where its axis stands |
 //! | [`bring_up`] | the checks of a new board, one after the other |
 //! | [`borrowed`] | parameters that are changed for a while, and given back even if the program is killed |
@@ -45,7 +46,7 @@ pub mod borrowed;
 pub mod bring_up;
 pub mod drive;
 pub mod firmware_notes;
-pub mod part_file;
+mod part_file;
 pub mod record;
 pub mod slow_move;
 pub mod state;

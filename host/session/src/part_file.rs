@@ -1,4 +1,5 @@
-//! The part file of an interrupted download: it lies beside the TARGET files, or in the folder of states, until the record is complete.
+//! The part file of an interrupted download: it lies beside the TARGET files, or in the folder of states, until the record is
+//! complete.
 //!
 //! It holds frames of replies as they came over the link ([`pneudrive_protocol::frame`]): first the rig's identity and
 //! the head of its record, then the chunks. It is read like a link: a frame that was cut when the program was killed, or
@@ -51,7 +52,7 @@ impl PartFile {
         }
         let mut part = PartFile { path, file };
         match pieces {
-            // Ends a frame that was cut.
+            // Terminates a frame that was cut.
             Some(_) => part.append(&[DELIMITER])?,
             None => {
                 part.add(&who(info))?;
@@ -91,7 +92,7 @@ impl PartFile {
     ///
     /// # Errors
     /// When the disk does not take it.
-    pub fn keep_on_disk(&self) -> Result<()> {
+    pub(crate) fn keep_on_disk(&self) -> Result<()> {
         self.file.sync_all().with_context(|| format!("cannot write {}", self.path.display()))?;
         self.path.parent().into_iter().for_each(sync_folder);
         Ok(())

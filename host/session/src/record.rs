@@ -95,7 +95,7 @@ fn recorded(
             part.into_iter().for_each(PartFile::remove);
             return Err(error);
         }
-        // Only what is on the disk is promised.
+        // Only samples on the disk are reported as kept.
         Err(error) => {
             return Err(match part.filter(|part| part.keep_on_disk().is_ok()) {
                 Some(part) => error.context(kept(&part)),

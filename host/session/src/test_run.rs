@@ -31,7 +31,7 @@ pub type Interrupted<'a> = dyn FnMut() -> Result<()> + 'a;
 pub struct TestRun<'a> {
     /// The rig file.
     pub rig: &'a Rig,
-    /// The last sample of the test; [`UNTIL_STOPPED`]: it has none.
+    /// The last sample of the test; [`UNTIL_STOPPED`]: the test has no end of its own.
     pub last_sample: u32,
     /// Whether the parameters of the rig file are downloaded, too.
     pub with_parameters: bool,
@@ -64,9 +64,9 @@ pub struct Prepared<'a> {
     stream: Option<Streaming>,
 }
 
-/// What has become of a run.
+/// The outcome of a run.
 pub struct Ran {
-    /// How it ended; an error if it did not begin, or not end as it was to.
+    /// The mode in which it ended; an error if it did not begin, or did not end as requested.
     pub ended: Result<Mode>,
     /// The file that it was streamed to, if that is complete.
     pub streamed: Option<Streamed>,

@@ -21,8 +21,8 @@ of the test. What is unknown is empty (csv), NaN (mat, mcap) or null (parquet).
 pub struct Export {
     /// A TARGET file, a streamed run, or a run folder
     pub file: PathBuf,
-    /// The kind of file: a table as text, MATLAB 5, MCAP with protobuf messages, MCAP with messages of ROS 2, Parquet [default: by
-    /// the name of --out]
+    /// The kind of file: a table as text, MATLAB 5, MCAP with protobuf messages, MCAP with messages of ROS 2, Parquet
+    /// [default: by the name of --out]
     #[arg(long, value_name = "FORMAT", value_parser = FORMATS.map(|(_, word, _)| word))]
     pub to: Option<String>,
     /// The file to write [default: FILE with the ending of the format, in the current folder]

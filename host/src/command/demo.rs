@@ -58,7 +58,7 @@ pub(super) fn execute(arguments: &Demo) -> Result<()> {
     let virtual_rig = VirtualRig::new(real, arguments.seed, pace)?;
     let rig = Background::start(virtual_rig, Listener::open("tcp:127.0.0.1:0")?);
     let recorded = on_the_rig(rig.port(), &model, &arguments.out);
-    // An error of the rig explains more than the broken link that follows from it.
+    // An error of the rig is reported first: it explains the broken link that follows from it.
     rig.stop()?;
     let (target_path, target) = recorded?;
 

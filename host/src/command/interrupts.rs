@@ -10,7 +10,8 @@ use pneudrive_protocol::Mode;
 use crate::exit::Exit;
 use crate::output;
 
-/// While one exists, Ctrl-C or a signal to end sets a flag for the code that follows the drive. At other times it ends the program.
+/// While one exists, Ctrl-C or a signal to end sets a flag for the code that follows the drive. At other times it ends the
+/// program.
 pub(super) struct Interrupts;
 
 /// Whether the drive is to stop, and whether Ctrl-C or a signal asked for it.

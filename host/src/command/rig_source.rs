@@ -16,7 +16,8 @@ pub(super) fn load_rig(rig: &str, settings: &[String]) -> Result<Rig> {
     load_rig_judged_by(rig, settings, |_| true)
 }
 
-/// The same for a test that will go through points, if there are any: settings of the test hold for these, not for that of the rig.
+/// The same for a test that will go through points, if there are any: settings of the test hold for these, not for that of
+/// the rig.
 pub(super) fn load_rig_with(rig: &str, settings: &[String], points: bool) -> Result<Rig> {
     load_rig_judged_by(rig, settings, |key| !(points && key.starts_with("test.")))
 }

@@ -20,7 +20,7 @@ pub(super) fn execute(arguments: &Studio) -> Result<()> {
         port: arguments.port.clone(),
     })?;
     say!("{}", studio.address());
-    // Without this line nobody finds the page.
+    // Without this line nobody can find the page.
     if let Some(error) = Stream::Output.failure() {
         return Err(output::verdict().error(format!("nobody learns the address of the studio: {error}")));
     }

@@ -107,7 +107,7 @@ fn task(arguments: &Tune) -> Result<Task> {
     let source = rig_text(&arguments.rig.rig)?;
     let tolerance = arguments.tolerance_mm.map(|mm| keys::test::TOLERANCE_MM.setting(mm));
     let settings: Vec<String> = arguments.rig.settings.iter().cloned().chain(tolerance).collect();
-    // What is wrong with a rig or a step, the tuning itself says.
+    // The tuning itself reports what is wrong with a rig or a step.
     let rig = RigFile::read(&source.0, &source.1).with(&settings).ok();
     let mut task = Task {
         goal: Goal {

@@ -98,7 +98,7 @@ impl CommandedRig {
 }
 
 /// The routes of a drive.
-pub fn routes(drive: Arc<CommandedRig>) -> Router {
+pub(crate) fn routes(drive: Arc<CommandedRig>) -> Router {
     Router::new()
         .route("/api/port", get(port))
         .route("/api/drive", post(open))

@@ -56,7 +56,7 @@ impl Connection {
     }
 
     /// It has shown the token with a request for this path.
-    pub fn shows_token(&self, path: &str) {
+    pub(crate) fn shows_token(&self, path: &str) {
         *self.heard.lock().unwrap_or_else(PoisonError::into_inner) = Instant::now();
         self.stays.store(STAYS.contains(&path), Ordering::Relaxed);
         self.is_known.store(true, Ordering::Relaxed);

@@ -30,7 +30,7 @@ pub const MAX_BYTES_OF_RECORD: usize = 16 << 20;
 
 /// What a browser may do with the page: load its own files and ask this server. No inline script, no inline style, no
 /// frame around it.
-pub const CONTENT_SECURITY_POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; \
+pub(crate) const CONTENT_SECURITY_POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; \
      connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
 /// Headers of every answer.

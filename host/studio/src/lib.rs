@@ -11,7 +11,7 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | [`token`], [`guard`], [`refusal_response`] | which requests are allowed, the headers of every answer, and refusals |
+//! | [`token`], [`guard`], `refusal_response` | which requests are allowed, the headers of every answer, and refusals |
 //! | [`served`] | the files of the page, and its requests |
 //! | [`files`] | rig files that are opened and saved |
 //! | [`study`] | studies for the page, with progress line by line |
@@ -24,7 +24,7 @@ pub mod commission;
 pub mod connections;
 pub mod files;
 pub mod guard;
-pub mod refusal_response;
+mod refusal_response;
 pub mod served;
 pub mod server;
 pub mod study;

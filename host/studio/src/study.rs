@@ -37,7 +37,7 @@ struct StudySlot {
 }
 
 /// The routes of studies.
-pub fn routes() -> Router {
+pub(crate) fn routes() -> Router {
     Router::new()
         .route("/api/choices", get(|| async { Json(choices()) }))
         .route("/api/study", post(begin))
@@ -63,7 +63,7 @@ async fn begin(
 ) -> Result<Response, RefusalResponse> {
     let study = Study::read(&body)?;
     let waiting = take(&desk)?;
-    // A page that goes while it waits here has begun nothing.
+    // A page that leaves while it waits here has started no study.
     let alone = desk.work.clone().lock_owned().await;
     let (sender, receiver) = unbounded_channel();
     let waits = waiting.waits.clone();

@@ -52,7 +52,7 @@ pub fn records(text: &str, delimiter: u8) -> impl Iterator<Item = Record> + '_ {
         .from_reader(text.as_bytes());
     std::iter::from_fn(move || {
         let mut cells = StringRecord::new();
-        // A text in memory that is UTF-8 has no error.
+        // Reading UTF-8 text from memory cannot fail.
         let is_there = reader.read_record(&mut cells).unwrap_or(false);
         is_there.then(|| Record { line: reader.position().line().saturating_sub(1) as usize, cells })
     })

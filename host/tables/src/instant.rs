@@ -6,7 +6,7 @@ use jiff::tz::Offset;
 
 /// ns from some instant, the same for all times of a kind; None if the text is not a time.
 pub fn nanoseconds(cell: &str) -> Option<i128> {
-    // Numbers are no times: 2026 and 20260101 are neither year nor day here.
+    // A number is not a time: 2026 is not a year here, and 20260101 is not a day.
     if !cell.contains(':') || !cell.starts_with(|first: char| first.is_ascii_digit()) {
         return None;
     }

@@ -71,14 +71,6 @@ impl Table {
         }
     }
 
-    /// The table in a text.
-    ///
-    /// # Errors
-    /// As [`Table::read`].
-    pub fn of_text(text: &str) -> Result<Table, Problem> {
-        reading::table(crate::text::without_mark(text))
-    }
-
     /// Number of rows.
     #[must_use]
     pub fn rows(&self) -> usize {

@@ -24,7 +24,7 @@ pub fn utf8(bytes: &[u8]) -> Result<String, Problem> {
 
 /// The same of a text that came as UTF-8: without its byte order mark.
 #[must_use]
-pub fn without_mark(text: &str) -> &str {
+fn without_mark(text: &str) -> &str {
     text.strip_prefix('\u{feff}').unwrap_or(text)
 }
 
@@ -72,7 +72,7 @@ fn narrow(bytes: &[u8]) -> Result<String, Problem> {
 fn not_utf8(bytes: &[u8], place: usize) -> Problem {
     let line = line_of(bytes, place);
     let byte = bytes.get(place).copied().unwrap_or_default();
-    // Control characters stand in no text of one byte a character.
+    // Text with one byte per character contains no control characters.
     let is_text = bytes.iter().all(|byte| !matches!(byte, 0..=8 | 14..=31));
     Problem::new(if is_text {
         format!(

@@ -127,14 +127,14 @@ pub struct Figure {
 pub enum Reading {
     /// The model's equations give it: four digits of it are worth showing.
     Computed(f64),
-    /// It was read to within so much.
+    /// It was read off with this uncertainty.
     Read {
         /// Its value.
         value: f64,
-        /// The true one lies no further from it.
+        /// The largest distance of the true value from it.
         within: f64,
     },
-    /// It is nowhere between these two places on the axis across.
+    /// It is not between these two places on the horizontal axis.
     NotBetween([f64; 2]),
 }
 

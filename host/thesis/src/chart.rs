@@ -27,7 +27,7 @@ pub struct Chart {
 pub struct Line {
     /// For the legend.
     pub name: String,
-    /// Places.
+    /// Its points, x and y.
     pub points: Vec<[f64; 2]>,
     /// Whether its points are marked, too.
     pub dots: bool,
@@ -36,7 +36,7 @@ pub struct Line {
 }
 
 impl Line {
-    /// Of values over places.
+    /// A line of values over positions.
     #[must_use]
     pub fn new(name: impl Into<String>, x: &[f64], y: &[f64]) -> Line {
         let points = x.iter().zip(y).map(|(x, y)| [*x, *y]).collect();

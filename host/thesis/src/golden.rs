@@ -120,7 +120,7 @@ fn change(heading: &str, reading: &Reading, verdict: &str, table: &Table) -> Opt
     };
     let tolerance = number("tolerance").unwrap_or(0.0);
     let off = [("value", value), ("low", low), ("high", high)].into_iter().find(|(key, now)| {
-        // Not a number is off.
+        // NaN counts as changed.
         !number(key).is_some_and(|was| (was - now).abs() <= tolerance)
     });
     let was = |key: &str| number(key).map_or_else(|| "no figure".to_owned(), |was| format!("{was:?}"));

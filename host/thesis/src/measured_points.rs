@@ -9,7 +9,7 @@ const SPREAD: &str = "spread";
 /// Points of a measurement.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Points {
-    /// Along the axis of the curve.
+    /// Positions along the axis of the curve.
     pub x: Vec<f64>,
     /// The measured values.
     pub y: Vec<f64>,

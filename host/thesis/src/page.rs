@@ -45,7 +45,7 @@ fn summary(shown: &[Shown]) -> String {
     )
 }
 
-/// The part after the counts.
+/// The text that follows the counts.
 const LEGEND: &str = "<b>agrees</b>: the whole range of our figure lies within the tolerance of the printed number, or the share of starts that agree is significantly above two thirds; \
 <b>in part</b>: a part of the range does, or some of the starts; <b>cannot be decided</b>: the thesis compares with a measurement or a graph that is lost, or the runs do not show it; \
 <b>taken over</b>: our rig file has the number from the thesis. A bar shows the printed number as a tick, its tolerance shaded, and our figure as a dot on its range.";

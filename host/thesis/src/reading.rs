@@ -14,7 +14,7 @@ use crate::study::{self, Verdict};
 /// The result of an experiment for the entry of the same key.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reading {
-    /// The entry's.
+    /// The key of the entry.
     pub key: String,
     /// The result.
     pub found: Found,
@@ -27,18 +27,18 @@ pub struct Reading {
 pub enum Found {
     /// A figure with its range.
     Figure {
-        /// Of the rig as it is.
+        /// The figure of the rig as it is.
         value: f64,
-        /// Smallest and largest.
+        /// Smallest and largest figure.
         range: [f64; 2],
         /// Known digits after the point.
         decimals: usize,
     },
-    /// The same, if the thesis compared with data that are lost: it is shown for its size.
+    /// The same, where the thesis compared with data that are lost: it only shows the size of the figure.
     Beside {
-        /// Of the rig as it is.
+        /// The figure of the rig as it is.
         value: f64,
-        /// Smallest and largest.
+        /// Smallest and largest figure.
         range: [f64; 2],
         /// Known digits after the point.
         decimals: usize,
@@ -57,18 +57,18 @@ pub enum Found {
         /// Whether it agrees with the sentence.
         agreement: Agreement,
     },
-    /// There is nothing to hold against it, and why.
+    /// The model has nothing to compare with the entry, and why.
     Nothing(&'static str),
 }
 
 /// Whether the result agrees with the printed value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Agreement {
-    /// It is.
+    /// It agrees.
     Agrees,
-    /// A part of the range is, or some of the starts.
+    /// A part of the range agrees, or some of the starts do.
     InPart,
-    /// It is not.
+    /// It does not agree.
     Differs,
     /// Nothing decides it.
     Open,
@@ -93,7 +93,7 @@ impl Agreement {
         }
     }
 
-    /// Of several: they agree, they differ.
+    /// The verdict on several: they agree, they differ.
     #[must_use]
     pub fn of_many(self) -> &'static str {
         match self {
@@ -104,7 +104,7 @@ impl Agreement {
         }
     }
 
-    /// Of a sentence that holds or does not.
+    /// The verdict on a sentence that holds or does not.
     pub(super) fn of(holds: bool) -> Agreement {
         if holds { Agreement::Agrees } else { Agreement::Differs }
     }
@@ -144,7 +144,7 @@ impl Reading {
         Reading { key: key.to_owned(), found, rests_on: rests_on.into() }
     }
 
-    /// Nothing to hold against the entry.
+    /// Nothing to compare with the entry.
     pub(super) fn nothing(key: &str, why: &'static str) -> Reading {
         Reading { key: key.to_owned(), found: Found::Nothing(why), rests_on: String::new() }
     }

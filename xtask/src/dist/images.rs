@@ -46,7 +46,7 @@ fn holds(bytes: &[u8], wanted: &[u8]) -> bool {
     bytes.windows(wanted.len()).any(|part| part == wanted)
 }
 
-/// Bytes of data in a line.
+/// Bytes of data per line.
 const LINE: usize = 16;
 
 /// Intel HEX, with 32-bit addresses.

@@ -45,7 +45,7 @@ impl Map {
     /// # Errors
     /// When there is none, or a line of it is not of its form.
     pub fn read(text: &str) -> Result<Map> {
-        // A line that begins with a space goes on with what the one before says.
+        // A line that begins with a space continues the one before.
         let first = |line: &str| line.split(' ').next().filter(|name| !name.is_empty()).map(str::to_owned);
         let crates = block(text, "## The map")?.lines().filter_map(first).collect();
         let uses = block(text, "Who uses whom")?.lines().map(arrows).collect::<Result<_>>()?;
@@ -165,7 +165,7 @@ pub fn broken(map: &Map, uses: &Uses, workspaces: &BTreeSet<String>) -> Vec<Stri
     broken
 }
 
-/// What is said and not so, and what is so and not said.
+/// What the document says and is not so, and what is so and the document does not say.
 fn differing(what: &str, said: &BTreeSet<String>, is: &BTreeSet<String>) -> Option<String> {
     let list = |names: Vec<&String>| names.into_iter().map(String::as_str).collect::<Vec<_>>().join(", ");
     let (over, under) = (list(said.difference(is).collect()), list(is.difference(said).collect()));

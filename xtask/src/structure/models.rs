@@ -1,8 +1,8 @@
 //! Models of a component of which each has a file: no other source names one. All else asks a model through the trait of
 //! its component, so that a model more is a file and its line in `models!`.
 //!
-//! Refused are the variant of the list's enumeration (`ValveKind::FlowNode`), and the word of the rig file as a literal (`"flow-node"`, in the crate of the
-//! list) or as a setting (`valve.model=flow-node`, in all crates).
+//! Refused are the variant of the list's enumeration (`ValveKind::FlowNode`), and the word of the rig file as a literal
+//! (`"flow-node"`, in the crate of the list) or as a setting (`valve.model=flow-node`, in all crates).
 
 use std::path::Path;
 
@@ -38,7 +38,7 @@ struct Model {
     file: String,
 }
 
-/// What names a model outside of its file, in all crates of these folders.
+/// Where a model is named outside of its file, in all crates of these folders.
 ///
 /// # Errors
 /// When a source cannot be read, or a list is not found.

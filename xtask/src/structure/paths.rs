@@ -66,7 +66,7 @@ impl<'ast> Visit<'ast> for Named {
         visit::visit_path(self, path);
     }
 
-    // A module of its own.
+    // The paths in an inner module are those of that module.
     fn visit_item_mod(&mut self, _: &'ast ItemMod) {}
 }
 

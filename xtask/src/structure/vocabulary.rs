@@ -72,7 +72,7 @@ pub fn spelled_again(modules: &Modules, words: &BTreeSet<String>) -> Vec<String>
     found
 }
 
-/// What stands between quotes in Rust.
+/// The texts of the string literals in Rust code.
 fn literals(text: &str) -> Vec<&str> {
     let mut found = Vec::new();
     let mut rest = text;

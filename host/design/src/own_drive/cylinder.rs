@@ -128,7 +128,7 @@ impl Tube {
         Ok(Some(Tube { bore_mm, length }))
     }
 
-    /// m^3.
+    /// Volume of the tube, m^3.
     fn volume(&self) -> f64 {
         let bore = 1e-3 * self.bore_mm.value;
         PI / 4.0 * bore * bore * self.length

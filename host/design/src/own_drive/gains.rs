@@ -12,8 +12,8 @@
 //!
 //! u_0 is the overlap, half of the hysteresis, and as much again as the shut lands leak. Nearer to the setpoint than [`NEAR_MM`]
 //! the step across it is a gain, so that it does not change sign with the error. On seven drives of the catalogue from 2 to 40 kg
-//! with overlaps from 0 to 5 % a step over half of the stroke ends within 2.4 mm, with a valve of 2000 l/min on 2 kg within 3.4 mm;
-//! `pneudrive tune` finds better gains.
+//! with overlaps from 0 to 5 % a step over half of the stroke ends within 2.4 mm, with a valve of 2000 l/min on 2 kg within
+//! 3.4 mm; `pneudrive tune` finds better gains.
 
 use pneudrive_sim::keys;
 

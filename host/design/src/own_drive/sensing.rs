@@ -34,7 +34,8 @@ pub(super) struct Encoder {
 }
 
 impl Encoder {
-    /// By kind and resolution. A potentiometer measures the stroke; its resolution decides the bits of its converter.
+    /// The encoder by its kind and resolution. A potentiometer measures the stroke; its resolution decides the bits of its
+    /// converter.
     pub fn of(answers: &Answers, cylinder: &Cylinder) -> Result<Encoder, AnswerProblem> {
         let (kind, resolution) = (kind(answers)?, answers.number("resolution")?);
         if kind != EncoderKind::Potentiometer {

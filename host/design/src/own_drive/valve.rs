@@ -124,7 +124,7 @@ fn exhaust(file: &mut RigFile, part: Option<&Part>) {
     }
 }
 
-/// b.
+/// Critical pressure ratio b.
 fn critical_ratio(answers: &Answers, part: &Part) -> Result<Number, AnswerProblem> {
     let question = "critical-ratio";
     let ratio = usual(answers, question, part, "critical_ratio", "")?;
@@ -145,7 +145,7 @@ fn critical_ratio(answers: &Answers, part: &Part) -> Result<Number, AnswerProble
     Ok(Number { value, ..ratio })
 }
 
-/// C, from whichever figure of its flow is known.
+/// C, from the flow figure that is known.
 fn conductance(answers: &Answers, part: Option<&Part>, ratio: &Number) -> Result<Number, AnswerProblem> {
     let figures = ["conductance", "flow", "kv", "cv"];
     let given: Vec<&str> = figures.into_iter().filter(|name| answers.text(name).is_some()).collect();

@@ -1,4 +1,5 @@
-//! Drawn drives simulated twice: by pneudrive, and by `own_drive.py`, which was written from part I of docs/explanation/equations.md.
+//! Drawn drives simulated twice: by pneudrive, and by `own_drive.py`, which was written from part I of
+//! docs/explanation/equations.md.
 
 use std::process::Command;
 
@@ -20,8 +21,8 @@ pub struct Apart {
     pub pressure: f64,
 }
 
-/// The drive of a seed with its valve on the cylinder and the gain profile, the law of docs/explanation/equations.md, and the run of its test, of `duration` s; None where it is refused or a
-/// fault ends it.
+/// The drive of a seed with its valve on the cylinder and the gain profile, the law of docs/explanation/equations.md, and the
+/// run of its test, of `duration` s; None where it is refused or a fault ends it.
 pub fn drive(seed: u64, duration: f64) -> Option<(Rig, Run)> {
     let drawn = drawn::answers(seed);
     let mut answers = Answers::default();

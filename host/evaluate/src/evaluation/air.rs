@@ -16,17 +16,17 @@ pub use record::Chambers;
 
 use crate::transient::Transient;
 
-/// kg of a litre of air at 20 degrees Celsius, 100 kPa and 65 % relative humidity (ANR, ISO 8778).
+/// Mass of a litre of air at 20 degrees Celsius, 100 kPa and 65 % relative humidity (ANR, ISO 8778), kg.
 const KG_PER_LITRE: f64 = 1.185e-3;
 
 /// Air that is let into the chambers, litres (ANR).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Air {
-    /// How much.
+    /// The best estimate.
     pub litres: f64,
-    /// And at least.
+    /// Lower bound.
     pub least: f64,
-    /// And at most.
+    /// Upper bound.
     pub most: f64,
 }
 

@@ -75,7 +75,7 @@ pub enum Doubt {
         /// How much longer it would have to stand to be known to rest, by how the pressures change, s.
         still_s: f64,
     },
-    /// The drive is at rest, but its pressures were not both measured: it may stick, and jump later.
+    /// The drive is at rest, but its pressures were not both measured: it may stick now and jump later.
     PressuresUnknown,
     /// It moves, and has not turned back lately.
     Moving,

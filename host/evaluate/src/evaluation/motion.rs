@@ -7,9 +7,9 @@ use crate::transient::Transient;
 /// Velocity and acceleration at the transient's instants.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Motion {
-    /// mm/s.
+    /// Velocity, mm/s.
     pub velocity_mm_s: Vec<f64>,
-    /// mm/s^2.
+    /// Acceleration, mm/s^2.
     pub acceleration_mm_s2: Vec<f64>,
 }
 

@@ -16,7 +16,7 @@ const FROM_MEDIAN: f64 = 1.4826;
 ///
 /// The quantisation of a constant reading does not show: the caller knows its step.
 pub(super) fn deviation(values: &[f64]) -> f64 {
-    // Of the sample before: its value, and its differences up to the fifth.
+    // The previous sample: its value, and its differences up to the fifth.
     let mut before = [0.0; ORDER];
     let difference = |value: &f64| {
         before.iter_mut().fold(*value, |rising, before| rising - std::mem::replace(before, rising))

@@ -6,11 +6,11 @@
 /// From one turning point to the next.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Swing {
-    /// When it begins and ends, s.
+    /// Time of its beginning, s.
     pub from_s: f64,
-    /// s.
+    /// Time of its end, s.
     pub to_s: f64,
-    /// When it is half-way, s: sharper than its ends, where the position is flat.
+    /// Time at half its way, s: sharper than its ends, where the position is flat.
     pub middle_s: f64,
     /// Its size, mm.
     pub size_mm: f64,

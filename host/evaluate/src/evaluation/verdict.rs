@@ -1,19 +1,19 @@
-//! What a drive does in its moves, in one sentence for who uses it.
+//! The result of a drive's moves in one sentence, for its user.
 //!
-//! Each figure is one of the table's ([`super::table`]), over all moves and over the run and its perturbed runs: one value where they
-//! agree in the digits shown, else the least and the most. Times in s, lengths in mm, air in litres (ANR).
+//! Each figure is one of the table's ([`super::table`]), over all moves and over the run and its perturbed runs: one value
+//! where they agree in the digits shown, else the least and the most. Times in s, lengths in mm, air in litres (ANR).
 
 use super::figures::{InRuns, endings, in_runs};
 use super::{LimitCycle, Move};
 
-/// A length below this, mm, is none in the digits that are shown.
+/// A length below this is zero in the digits that are shown, mm.
 const NONE_MM: f64 = 0.005;
 
-/// A drive that ends so near its target is not said to be short of it or beyond, mm.
+/// A drive that ends within this of its target is said to be neither short of it nor beyond it, mm.
 const NEAR_MM: f64 = 0.01;
 
-/// The sentence: `settles within 0.05 mm after 0.148 s; overshoots by 0.01 mm; rests 0.02 mm short; 0.61 l of air a move`. `runs` has the
-/// moves of the run and then those of each of its perturbed runs; `tolerance_mm` is that of their settling times.
+/// The sentence: `settles within 0.05 mm after 0.148 s; overshoots by 0.01 mm; rests 0.02 mm short; 0.61 l of air a move`.
+/// `runs` has the moves of the run and then those of each of its perturbed runs; `tolerance_mm` is that of their settling times.
 #[must_use]
 pub fn verdict(runs: &[Vec<Move>], tolerance_mm: f64) -> String {
     let mut moves: Vec<InRuns> = in_runs(runs).collect();
@@ -29,18 +29,18 @@ pub fn verdict(runs: &[Vec<Move>], tolerance_mm: f64) -> String {
     clauses.flatten().collect::<Vec<String>>().join("; ")
 }
 
-/// A figure in all moves and all runs that show it.
+/// A figure over all moves and all runs that show it.
 fn all(moves: &[InRuns], figure: impl Fn(&Move) -> Option<f64>) -> Vec<f64> {
     moves.iter().flatten().flatten().filter_map(|one| figure(one)).collect()
 }
 
-/// The least and the most; None of nothing.
+/// The least and the greatest value; None where there are no values.
 fn ends(values: &[f64]) -> Option<[f64; 2]> {
     let each = values.iter().map(|value| [*value; 2]);
     each.reduce(|[least, most], [value, _]| [least.min(value), most.max(value)])
 }
 
-/// One value, or the least and the most.
+/// One value, or the least and the greatest.
 fn span([least, most]: [f64; 2], decimals: usize) -> String {
     let [least, most] = [least, most].map(|value| format!("{value:.decimals$}"));
     if least == most { most } else { format!("{least} to {most}") }
@@ -56,7 +56,7 @@ fn waits(one: &Move, tolerance_mm: f64) -> bool {
     one.tracking.is_none() && one.to_mm.is_some_and(|to| (to - one.from_mm).abs() <= tolerance_mm)
 }
 
-/// In open loop a move has no place to go to.
+/// In open loop a move has no target.
 fn commanded(moves: &[InRuns]) -> Option<String> {
     let is_open = moves.iter().filter_map(own).all(|one| one.to_mm.is_none());
     let [_, most] = ends(&all(moves, |one| Some(one.top_speed_mm_s)))?;
@@ -69,7 +69,7 @@ fn follows(moves: &[InRuns]) -> Option<String> {
 }
 
 fn settles(moves: &[InRuns], tolerance_mm: f64) -> Option<String> {
-    // A profile that leaves the way to its end has no settling time.
+    // A profile whose setpoint leaves the way to its end has no settling time.
     let is_asked = |one: &Move| one.to_mm.is_some() && (one.tracking.is_none() || one.settling_s.is_some());
     let asked = moves.iter().filter(|moves| own(moves).is_some_and(is_asked));
     let asked: Vec<InRuns> = asked.cloned().collect();
@@ -118,7 +118,7 @@ fn rests(moves: &[InRuns]) -> Option<String> {
     })
 }
 
-/// Where it is, by the least and the most that it is short of its target, mm.
+/// The final position of the drive, from the least and the greatest distance short of its target, mm.
 fn place([least, most]: [f64; 2]) -> String {
     if least >= -NEAR_MM && most <= NEAR_MM {
         "within 0.01 mm of its target".to_owned()

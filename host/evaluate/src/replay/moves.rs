@@ -107,7 +107,7 @@ fn sequence(config: &Config, moves: &[Move], samples: usize) -> Result<Sequence,
         sequence.push(*next).map_err(|_| ReplayError::TooManyMoves(next.at_sample as i32))?;
     }
     let target = 0.max(config.limits.end_min).min(config.limits.end_max);
-    // Without room there are no further moves either.
+    // If there is no room, there are no further moves either.
     let _ = sequence.push(Move::step(samples as u32, target));
     Ok(sequence)
 }

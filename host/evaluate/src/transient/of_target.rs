@@ -19,7 +19,7 @@ impl Transient {
         let pressure = [file.positive("pressure_scale_pa")? / 1e3, file.number("pressure_offset_pa")? / 1e3];
         let spool = [file.positive("spool_scale_mm")?, file.number("spool_offset_mm")?];
         let open_loop = file.number("param.open_loop")? != 0.0;
-        // The first firmware knows of none.
+        // The first firmware has no such line.
         let stepper = file.get("param.stepper").is_some_and(|value| value != "0");
         let scaled = |raw: i16, [scale, offset]: [f64; 2]| f64::from(raw) * scale + offset;
         let known = |name: &str, value: f64| if file.is_unknown(name) { f64::NAN } else { value };
@@ -36,7 +36,7 @@ impl Transient {
                 channel(&|s| f64::from(s.position) * mm),
                 channel(&|s| known("pressure_1", scaled(s.pressure_1, pressure))),
                 channel(&|s| known("pressure_2", scaled(s.pressure_2, pressure))),
-                // SPLLOC counts steps: how long they are, and where the spool really is, nobody has measured.
+                // SPLLOC counts steps: their length, and the true position of the spool, were not measured.
                 channel(&|s| if stepper { f64::NAN } else { known("spool", scaled(s.spool, spool)) }),
                 channel(&|s| f64::from(s.command)),
                 channel(&|s| known("setpoint", f64::from(s.error))),

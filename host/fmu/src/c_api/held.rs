@@ -82,7 +82,7 @@ impl Log {
                 unsafe { function(environment, Status::Error, CATEGORY.as_ptr(), message.as_ptr()) };
             }
             Log::Fmi2(function, environment, name) => {
-                // A format without arguments.
+                // The format has no arguments.
                 let message = in_c(&message.replace('%', "%%"));
                 let environment = ptr::with_exposed_provenance_mut(*environment);
                 let (name, category) = (name.as_ptr(), CATEGORY.as_ptr());

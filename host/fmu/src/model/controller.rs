@@ -121,7 +121,7 @@ const OUTPUTS: [Signal; 12] = [
 fn parameters_of(rig: &Rig, run_test: bool) -> Result<Parameters> {
     let mut parameters = rig.parameters();
     if !run_test {
-        // Setpoints come when they come: none waits for the one before, and none ends the run.
+        // A setpoint takes effect when it arrives: none waits for the one before, and none ends the run.
         parameters.set(id::ON_ARRIVAL, 0).map_err(|_| anyhow!("on_arrival takes 0"))?;
     }
     Ok(parameters)
@@ -182,7 +182,7 @@ impl Controller {
         }
         let accepted = match self.followed {
             None => self.start_at(setpoint),
-            // A drive that has tripped follows nothing, and says so by its mode.
+            // A drive that has tripped follows no setpoint, and its mode says so.
             Some(_) if self.state.supervisor.mode() != Mode::Running => return Ok(()),
             Some(_) => self.state.redirect(&self.config, setpoint),
         };

@@ -15,7 +15,7 @@ use crate::signal::{Kind, Signal, Value};
 pub struct DriveModel {
     controller: Controller,
     plant: Plant,
-    /// m.
+    /// Stroke per encoder count, m.
     pulse: f64,
 }
 

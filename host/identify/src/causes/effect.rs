@@ -7,7 +7,7 @@ use super::super::model::FittedModel;
 /// An effect that may be the cause of a misfit.
 #[derive(Clone, Copy, Debug)]
 pub struct Effect {
-    /// In words.
+    /// The effect in words.
     pub name: &'static str,
     /// How a rig file has it.
     pub change: Change,
@@ -24,7 +24,7 @@ pub enum Change {
         path: &'static str,
         /// The choice without which it does nothing.
         with: Option<Choice>,
-        /// What is usual, in the unit of the key.
+        /// Its usual size, in the unit of the key.
         size: f64,
         /// The smallest size that can be distinguished from none, in the unit of the key.
         least: f64,

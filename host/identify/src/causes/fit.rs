@@ -203,7 +203,7 @@ impl<'a> Origin<'_, 'a> {
         u.insert(place, 0.0);
         let residuals = with.residuals_at(&u)?;
         let column = with.columns(&u, &residuals, place..place + 1).pop()??;
-        // The row of its own term comes where its column does.
+        // The row of its prior term has the same index as its column.
         let mut jacobian = jacobian.insert_row(found.rows() + place, 0.0).insert_column(place, 0.0);
         jacobian.view_mut((column.first, place), (column.rows.len(), 1)).copy_from(&column.rows);
         jacobian[(found.rows() + place, place)] = 1.0 / with.prior(place);

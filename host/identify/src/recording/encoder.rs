@@ -41,7 +41,7 @@ fn counted(measured: Vec<f64>, pulse: f64) -> Channel {
         taken: independent(&measured, HALF_WIDTH),
         rest: Rest::default(),
         measured,
-        // The middle of what a count stands for.
+        // The middle of the positions that read as this count.
         offset: 0.5 * pulse,
         scale: pulse,
     }

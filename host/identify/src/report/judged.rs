@@ -7,7 +7,7 @@ use crate::{FAR, Identification};
 /// The kind of a fit's intervals.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Intervals {
-    /// Of 95 %.
+    /// Intervals of 95 %.
     Of95,
     /// Widened by the effect of a model error as large as the residuals.
     Widened,
@@ -33,7 +33,7 @@ impl Intervals {
         }
     }
 
-    /// For a program.
+    /// Its name in JSON.
     pub fn word(self) -> &'static str {
         match self {
             Intervals::Of95 => "95 %",

@@ -11,7 +11,7 @@ use crate::parameter::Parameter;
 use crate::recording::{CHANNELS, Recording};
 use crate::{ChannelFit, Estimate, Given, Identification, Share, Unseen};
 
-/// The numbers, for a program.
+/// The numbers as JSON.
 #[must_use]
 pub fn to_json(found: &Identification, recordings: &[Recording]) -> Value {
     let channels = CHANNELS.iter().zip(&found.channels);

@@ -71,8 +71,8 @@ impl Client {
         self.prepare(rig, rig.last_sample(), None).map(drop)
     }
 
-    /// The same, but it ends with another sample (with [`UNTIL_STOPPED`](pneudrive_protocol::UNTIL_STOPPED), once it is stopped), and parameters are
-    /// downloaded with it. Returns the names of those that the firmware does not have, as
+    /// The same, but it ends with another sample (with [`UNTIL_STOPPED`](pneudrive_protocol::UNTIL_STOPPED), once it is
+    /// stopped), and parameters are downloaded with it. Returns the names of those that the firmware does not have, as
     /// [`Client::import_parameters`] does.
     ///
     /// # Errors

@@ -9,11 +9,11 @@ use super::answer::unexpected;
 /// The digital inputs and outputs of a drive, and the inputs' last order.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Io {
-    /// As they are read, as [`input`](pneudrive_protocol::io::input) has their bits.
+    /// Inputs as they are read; [`input`](pneudrive_protocol::io::input) has their bits.
     pub inputs: u8,
-    /// As they count: once they have been the same for a few samples.
+    /// Inputs as they count: once they have been the same for a few samples.
     pub settled: u8,
-    /// As [`output`](pneudrive_protocol::io::output) has their bits.
+    /// Outputs; [`output`](pneudrive_protocol::io::output) has their bits.
     pub outputs: u8,
     /// The number that was started last.
     pub number: u8,

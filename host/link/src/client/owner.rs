@@ -23,7 +23,7 @@ pub struct Commander {
     pub session: u32,
     /// Time since it was last heard, milliseconds; 0 if the rig has no clock for that.
     pub silent_ms: u32,
-    /// What it calls itself.
+    /// Its name, as it states it.
     pub host: String,
 }
 

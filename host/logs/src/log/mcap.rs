@@ -1,7 +1,7 @@
 //! MCAP (mcap.dev/spec) with messages in protobuf, JSON or CDR (ROS 2): every number of every field of every topic.
 //!
-//! Messages come in the order of their log times, as the reference library reads them; the order in the file is that in which they
-//! were written. Where more than one channel has a topic, each is a topic of its own: `/drive#1`, `/drive#2`.
+//! Messages come in the order of their log times, as the reference library reads them; the order in the file is that in which
+//! they were written. Where more than one channel has a topic, each is a topic of its own: `/drive#1`, `/drive#2`.
 
 mod cdr;
 mod chunk;

@@ -31,7 +31,8 @@ pub const LAWS: [Law; 5] = [
     Law { name: "cascade", word: "cascade", tuned: false, integral_s: None },
 ];
 
-/// The search that `rig new` proposes: within 1 mm, as no law that is tuned here ends within 0.05 mm often enough to be guided by that.
+/// The search that `rig new` proposes: within 1 mm, as no law that is tuned here ends within 0.05 mm often enough to be
+/// guided by that.
 const SETTLED_MM: f64 = 1.0;
 const TIME_S: f64 = 1.5;
 const BUDGET: Budget = Budget { population: 16, generations: 10, seed: 1 };

@@ -7,9 +7,10 @@
 //! A RIG is one of the six drives of the catalogue, a built-in rig or a rig file; without one, the six drives and the three
 //! servo-drives of the thesis are measured. `draws=120 seed=1`; `steps=0.2,2,60,300` (mm; without it 60 mm, or two fifths of a
 //! shorter stroke); `laws=0,1` (places in the list of laws in `laws.rs`); `range=1` draws all that the rig file leaves open;
-//! `bristles=1` puts LuGre friction on top; `sines=0` leaves out the sines. `plant=load.mass_kg*2,load.constant_force_n=-80`: the plant of
-//! each draw differs from what the law knows by these factors and values. Other keys with a point are settings of the rig. Gains that
-//! were found, and why runs did not come to their end, go to stderr. `figure=FILE.svg` draws the step under each law instead: docs/pictures/control.svg.
+//! `bristles=1` puts LuGre friction on top; `sines=0` leaves out the sines. `plant=load.mass_kg*2,load.constant_force_n=-80`:
+//! the plant of each draw differs from what the law knows by these factors and values. Other keys with a point are settings
+//! of the rig. Gains that were found, and why runs did not come to their end, go to stderr. `figure=FILE.svg` draws the step
+//! under each law instead: docs/pictures/control.svg.
 
 mod figure;
 mod laws;

@@ -26,11 +26,11 @@ const LAST_S: f64 = 1.0;
 /// The end of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Arrival {
-    /// How long it takes to each band of [`BANDS_MM`], s; None: it does not stay there.
+    /// Time to each band of [`BANDS_MM`], s; None: the piston does not stay there.
     pub within_s: [Option<f64>; 3],
-    /// How far it goes beyond the target, mm.
+    /// Overshoot beyond the target, mm.
     pub beyond_mm: f64,
-    /// How far it is from the target at the end of its move, mm.
+    /// Distance from the target at the end of its move, mm.
     pub error_mm: f64,
     /// From its lowest to its highest position in the last second, mm.
     pub range_mm: f64,
@@ -39,7 +39,7 @@ pub struct Arrival {
 }
 
 impl Arrival {
-    /// Of the positions (mm) over time (s) of a step that begins with the first of them.
+    /// The end of a step from the positions (mm) over time (s); the step begins with the first of them.
     #[must_use]
     pub fn of(time: &[f64], position: &[f64], [from, to]: [f64; 2], limit_cycle: LimitCycle) -> Arrival {
         let direction = (to - from).signum();

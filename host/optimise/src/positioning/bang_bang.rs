@@ -1,4 +1,5 @@
-//! The bang-bang bound on the time of a step: the valve fully open one way, then fully open the other way, until the piston stands.
+//! The bang-bang bound on the time of a step: the valve fully open one way, then fully open the other way, until the piston
+//! stands.
 //!
 //! ```text
 //! u(t) = U until t_s, -U from then on;   v(t_e) = 0, the first time after the piston moves;   t_s so that x(t_e) = target
@@ -51,14 +52,14 @@ pub struct Bound {
 /// The end of a motion: when the piston stands for the first time, and how far it has come.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stop {
-    /// s.
+    /// Time, s.
     pub at_s: f64,
-    /// In the direction of the step, m.
+    /// Travel in the direction of the step, m.
     pub way_m: f64,
 }
 
-/// The bound on a step of `step_mm` about the middle of the stroke; None for a step that a valve which is open for a single sample
-/// exceeds.
+/// The bound on a step of `step_mm` about the middle of the stroke; None for a step that a valve which is open for a single
+/// sample exceeds.
 ///
 /// # Errors
 /// When the step does not fit into the stroke, cannot be simulated, or is too much for the drive.
@@ -70,7 +71,7 @@ pub fn bound(rig: &Rig, step_mm: f64, extends: bool) -> Result<Option<Bound>> {
 ///
 /// # Errors
 /// When it cannot be simulated, or is too much for the drive.
-pub fn bound_of(rig: &Rig, steps: Steps) -> Result<Option<Bound>> {
+pub(crate) fn bound_of(rig: &Rig, steps: Steps) -> Result<Option<Bound>> {
     if steps.from == steps.to {
         return Ok(None);
     }
@@ -116,7 +117,7 @@ fn open_loop(rig: &Rig) -> Result<Rig> {
     if rig.get(&keys::operator::MODEL).is_solenoid() {
         settings.push(format!("{}=0.0", keys::dither::DITHER_MM.path));
     }
-    // Moves of a closed loop are none of an open one.
+    // The moves of a closed loop mean nothing in an open one.
     settings.push("test.moves=[[0.0, 0]]".to_owned());
     Ok(rig.without_events().with_settings(&settings)?)
 }

@@ -12,8 +12,8 @@ use super::course::Steps;
 /// This many different steps have their bound computed: a fifth of a second.
 const MOST: usize = 4;
 
-/// A sentence for each step that settled: its time, and how many times the bound that is. Nothing for a law without a model of its
-/// drive, whose time is a matter of its gains, and of moves with profiles, whose time is asked for.
+/// A sentence for each step that settled: its time, and how many times the bound that is. Nothing for a law without a model
+/// of its drive, whose time is a matter of its gains, and of moves with profiles, whose time is asked for.
 #[must_use]
 pub fn beside_bound(rig: &Rig, moves: &[Move]) -> Vec<String> {
     if !rig.knows_its_drive() {
@@ -31,7 +31,7 @@ fn sentence(rig: &Rig, one: &Move, bounds: &mut BTreeMap<[i64; 2], Option<Bound>
     let ends = [one.from_mm, to_mm].map(|mm| (mm / mm_per_count(rig)).round() as i64);
     if !bounds.contains_key(&ends) && bounds.len() < MOST {
         let [from, to] = ends;
-        // A drive that the valve cannot move as far has none.
+        // A step that the valve cannot make has no bound.
         bounds.insert(ends, bound_of(rig, Steps { from, to }).ok().flatten());
     }
     let Bound { time_s, .. } = (*bounds.get(&ends)?)?;

@@ -48,9 +48,9 @@ pub fn usual_step_mm(rig: &Rig) -> f64 {
 /// A step there, back and there again.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Steps {
-    /// From where, counts.
+    /// Setpoint before the step, counts.
     pub from: i64,
-    /// To where, counts.
+    /// Target of the step, counts.
     pub to: i64,
 }
 
@@ -118,9 +118,9 @@ impl Steps {
 pub struct Sine {
     /// Its centre, counts.
     pub middle: i64,
-    /// To either side, counts.
+    /// Amplitude, counts.
     pub amplitude: i64,
-    /// Hz.
+    /// Frequency, Hz.
     pub hz: f64,
 }
 

@@ -9,8 +9,8 @@
 //! | over the whole range | each value that the rig file gives as unknown, or as computed within a range: evenly in its logarithm, or in itself where the range begins at 0 |
 //!
 //! Three kinds of values hang together. The running friction is drawn once, and that of each direction within 10 % of it; the
-//! break-away friction is 1.25 to 3.3 times the running one, as `rig new` assumes. Its damping ratio stays with the stiffness of a
-//! spool. Mass and supply stay within their tolerances: they are known.
+//! break-away friction is 1.25 to 3.3 times the running one, as `rig new` assumes. Its damping ratio stays with the stiffness
+//! of a spool. Mass and supply stay within their tolerances: they are known.
 
 use anyhow::{Result, bail};
 use pneudrive_sim::rig::{Key, Problems, Source, unit_interval};

@@ -19,30 +19,30 @@ pub const FOLLOWED_MM: f64 = 0.6;
 /// A step over all draws. One that does not come to its end has not arrived.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StepScore {
-    /// How many end within each band of [`BANDS_MM`].
+    /// Number of steps that end within each band of [`BANDS_MM`].
     pub within: [Proportion; BANDS_MM.len()],
-    /// Median time to each band of those that end there, s.
+    /// Median time to each band, over the steps that end in it, s.
     pub median_s: [Option<f64>; BANDS_MM.len()],
     /// Largest overshoot, mm.
     pub beyond_mm: f64,
-    /// How many overshoot by [`OVERSHOOT_MM`] at most.
+    /// Number of steps that overshoot by [`OVERSHOOT_MM`] at most.
     pub without_overshoot: Proportion,
-    /// How many end in a limit cycle.
+    /// Number of steps that end in a limit cycle.
     pub limit_cycles: Proportion,
-    /// In how many of them it cannot be decided whether they do.
+    /// Number of steps for which it cannot be decided whether they do.
     pub undecided: usize,
-    /// How many still move in the last second.
+    /// Number of steps whose piston still moves in the last second.
     pub moving: usize,
-    /// How many of them move by more than [`SWING_MM`].
+    /// Number of those whose piston moves by more than [`SWING_MM`].
     pub swinging: usize,
     /// Runs that have converged.
     pub converged: Proportion,
-    /// Why runs did not come to their end.
+    /// Why runs did not complete.
     pub failed: Vec<String>,
 }
 
 impl StepScore {
-    /// Of a step of each run and whether that has converged, or why it did not come to its end.
+    /// The score of a step from each run and whether it has converged, or why it did not complete.
     pub(super) fn of<'a>(runs: impl Iterator<Item = Result<(&'a Arrival, bool), &'a String>>) -> StepScore {
         let all: Vec<_> = runs.collect();
         let steps: Vec<&Arrival> = all.iter().filter_map(|run| run.ok().map(|(step, _)| step)).collect();
@@ -71,18 +71,18 @@ fn cycles(step: &Arrival) -> bool {
 /// A sine over all draws.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SineScore {
-    /// How many are followed within [`FOLLOWED_MM`].
+    /// Number of sines that are followed within [`FOLLOWED_MM`].
     pub followed: Proportion,
     /// Median and largest of the largest errors of the runs that come to their end, mm.
     pub largest_mm: Option<[f64; 2]>,
     /// Runs that have converged.
     pub converged: Proportion,
-    /// Why runs did not come to their end.
+    /// Why runs did not complete.
     pub failed: Vec<String>,
 }
 
 impl SineScore {
-    /// Of the largest error of each run, mm, and whether the run has converged.
+    /// The score of a sine from the largest error of each run, mm, and whether the run has converged.
     pub(super) fn of(runs: Vec<Result<(f64, bool), String>>) -> SineScore {
         let of = runs.len();
         let mut errors = Vec::new();
@@ -114,9 +114,9 @@ fn median(mut values: Vec<f64>) -> Option<f64> {
     Some(f64::midpoint(*low, *high))
 }
 
-/// The cells of a step in a table: shares, their 95 % intervals in percent, median times, largest overshoot and how many have no more
-/// than [`OVERSHOOT_MM`]; then how many end in a limit cycle, cannot be decided, still move (and by more than [`SWING_MM`]), did not come
-/// to their end; and how many have converged.
+/// The cells of a step in a table: shares, their 95 % intervals in percent, median times, largest overshoot and how many have
+/// no more than [`OVERSHOOT_MM`]; then how many end in a limit cycle, cannot be decided, still move (and by more than
+/// [`SWING_MM`]), did not come to their end; and how many have converged.
 impl fmt::Display for StepScore {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let join = |texts: [String; BANDS_MM.len()]| texts.join(" / ");

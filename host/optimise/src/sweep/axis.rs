@@ -90,7 +90,7 @@ pub enum Distribution {
         /// Largest.
         high: f64,
     },
-    /// Gauss's.
+    /// Normal.
     Normal {
         /// Mean.
         mean: f64,
@@ -123,9 +123,9 @@ fn standard_normal(share: f64) -> f64 {
 /// How shares of a distribution are drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Draw {
-    /// How many.
+    /// Number of shares.
     pub count: usize,
-    /// The same seed draws the same.
+    /// Seed: the same seed draws the same shares.
     pub seed: u64,
     /// One in each `count`th, or anywhere each time.
     pub latin_hypercube: bool,

@@ -5,7 +5,7 @@ use super::{Row, Sweep};
 /// The criterion by which a point is better than another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Objective {
-    /// Place of its metric.
+    /// Index of its metric.
     pub metric: usize,
     /// Whether more is better.
     pub most: bool,
@@ -14,11 +14,11 @@ pub struct Objective {
 /// The bounds on the size of a metric.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bound {
-    /// Place of the metric.
+    /// Index of the metric.
     pub metric: usize,
-    /// At least.
+    /// Lower bound.
     pub min: f64,
-    /// At most.
+    /// Upper bound.
     pub max: f64,
 }
 
@@ -39,7 +39,7 @@ impl Row {
             None => [self.metrics[metric]?; 2],
         };
         let [a, b] = [least.abs(), most.abs()];
-        // Between ends of two signs lies 0.
+        // A range whose ends have different signs contains 0.
         Some([if least * most < 0.0 { 0.0 } else { a.min(b) }, a.max(b)])
     }
 
@@ -61,7 +61,7 @@ impl Sweep {
     #[must_use]
     pub fn best<'a>(&self, rows: &'a [Row]) -> Option<&'a Row> {
         let objective = self.objective?;
-        // Over a range its worse end counts.
+        // Of a range, the worse end counts.
         let cost = |row: &Row| {
             row.sizes(objective.metric).map(|[least, most]| if objective.most { -least } else { most })
         };

@@ -252,7 +252,7 @@ fn panel(sweep: &Sweep, axis: &Axis, metric: usize, rows: &[Row]) -> Panel {
         Curve { look: Look::Points, colour: Some(colour), ..Curve::new(name, x, y) }
     };
     let title = &sweep.metrics[metric].name;
-    // Of two grids, a line for each level of the other one.
+    // With two axes, there is a line for each level of the other axis.
     if let [one, other] = sweep.axes.as_slice()
         && !one.drawn
         && !other.drawn

@@ -10,7 +10,7 @@ pub(super) struct DesignVariable {
     low: f64,
     high: f64,
     scale: Scale,
-    /// Whether its ends are natural ones, beyond which there is nothing to be looked for.
+    /// Whether its ends are natural limits, beyond which there is no value to search.
     natural: [bool; 2],
 }
 

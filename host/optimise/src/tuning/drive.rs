@@ -13,31 +13,31 @@ use pneudrive_evaluate::parallel;
 /// The stage of a tuning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
-    /// Looks for gains.
+    /// Searches for gains.
     Search,
-    /// Holds the best few against the perturbed runs of the file's rig.
+    /// Checks the best few with the perturbed runs of the file's rig.
     Finalists,
     /// Judges them on fresh draws.
     Draws,
-    /// Looks for the causes.
+    /// Searches for the causes.
     Obstacles,
     /// Follows sines with the gains found.
     Sines,
 }
 
 impl Stage {
-    /// The stages of the search, in their order.
+    /// The stages of the search, in order.
     pub const ALL: [Stage; 4] = [Stage::Search, Stage::Finalists, Stage::Draws, Stage::Obstacles];
 }
 
-/// How far a stage of a tuning is.
+/// The progress of a stage of a tuning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Progress {
     /// The stage.
     pub stage: Stage,
     /// Runs that are done or no longer needed: a candidate that is worse than the one to beat is given up.
     pub done: usize,
-    /// Runs of this stage.
+    /// Total number of runs of this stage.
     pub all: usize,
 }
 
@@ -45,7 +45,7 @@ pub struct Progress {
 pub(super) struct Meter<'a> {
     tell: &'a mut (dyn FnMut(Progress) + Send),
     at: Progress,
-    /// Runs of all stages that were made.
+    /// Number of runs that were made in all stages.
     runs: usize,
 }
 
@@ -54,13 +54,13 @@ impl<'a> Meter<'a> {
         Meter { tell, at: Progress { stage: Stage::Search, done: 0, all: 0 }, runs: 0 }
     }
 
-    /// A stage begins that needs this many runs.
+    /// Begins a stage that needs this many runs.
     pub fn begin(&mut self, stage: Stage, all: usize) {
         self.at = Progress { stage, done: 0, all };
         (self.tell)(self.at);
     }
 
-    /// This many runs of the stage are no longer needed.
+    /// Counts this many runs of the stage as no longer needed.
     pub fn done(&mut self, runs: usize) {
         self.at.done += runs;
         (self.tell)(self.at);
@@ -191,7 +191,7 @@ impl TunedDrive<'_> {
 
     /// A candidate of the last generation, or the gains of the file, on the draws of the search and on the perturbed
     /// runs of the file's rig.
-    pub fn finalist(&self, shares: Option<&[f64]>, tuned_on: &[Variant], meter: &mut Meter) -> Found {
+    pub(crate) fn finalist(&self, shares: Option<&[f64]>, tuned_on: &[Variant], meter: &mut Meter) -> Found {
         let settings = shares.map_or_else(Vec::new, |shares| self.space.settings(shares));
         let places = shares.map_or_else(Vec::new, |shares| self.space.places(shares));
         let performances = self.judged(&settings, tuned_on, meter);

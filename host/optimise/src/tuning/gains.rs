@@ -10,8 +10,8 @@
 //! ```
 //!
 //! with `full` the command that opens the valve fully and T the sample period; in addition the dead band, the null offset
-//! and, if the rig says that its user can set it (`operator.dither_adjustable`), the dither. Fixed keys keep the rig's value, and genes that set nothing else are left out. A
-//! fixed profile keeps its span, too, and its last entry is K_far.
+//! and, if the rig says that its user can set it (`operator.dither_adjustable`), the dither. Fixed keys keep the rig's value,
+//! and genes that set nothing else are left out. A fixed profile keeps its span, too, and its last entry is K_far.
 
 use anyhow::{Result, bail};
 use pneudrive_sim::Rig;
@@ -22,10 +22,10 @@ use pneudrive_sim::keys;
 
 use super::design_variable::{self, DesignVariable};
 
-/// Gains of a profile that are less than this apart are one.
+/// Gains of a profile that differ by less than this are equal.
 const ALIKE: f64 = 1.02;
 
-/// Most that a gain can be.
+/// Largest gain.
 const MAX_GAIN: f64 = 65_535.0;
 
 const PROFILE: &str = keys::controller::GAIN_PROFILE.key.path;

@@ -20,20 +20,20 @@ use pneudrive_evaluate::evaluation::{Doubt, LimitCycle, Move};
 /// The requirements on a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Goal {
-    /// How far it goes, mm.
+    /// Length of the step, mm.
     pub step_mm: f64,
-    /// Within this distance of its setpoint it has settled, mm.
+    /// Settling tolerance: the largest distance from the setpoint, mm.
     pub settled_mm: f64,
-    /// The most that it may go beyond it, % of the step.
+    /// Largest overshoot, % of the step.
     pub overshoot_percent: f64,
-    /// How long it has, there as well as back, s.
+    /// Time for the step each way, s.
     pub time_s: f64,
 }
 
 impl Goal {
-    /// In how many of these trials it is met.
+    /// The number of these trials in which it is met.
     #[must_use]
-    pub fn met_in(&self, trials: &[Performance]) -> Proportion {
+    pub(crate) fn met_in(&self, trials: &[Performance]) -> Proportion {
         Proportion { met: trials.iter().filter(|trial| trial.meets(self)).count(), of: trials.len() }
     }
 }
@@ -50,11 +50,11 @@ const HALFWAY_S: f64 = 5.0;
 /// The result of a step there and back; the worse of the two.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Performance {
-    /// Until it stays, s; None: it does not.
+    /// Settling time, s; None: it does not settle.
     pub settling_s: Option<f64>,
-    /// How long it had, s.
+    /// Time for the step, s.
     pub allowed_s: f64,
-    /// How far beyond, % of the step; None: it is still on its way there.
+    /// Overshoot, % of the step; None: it is still on its way to the target.
     pub overshoot_percent: Option<f64>,
     /// Mean distance from the setpoint in the last quarter of its time, mm.
     pub error_mm: f64,
@@ -67,7 +67,7 @@ pub struct Performance {
 }
 
 impl Performance {
-    /// Of the moves of a step there and back.
+    /// The result of the moves of a step there and back.
     #[must_use]
     pub fn of(moves: &[&Move], step_mm: f64, allowed_s: f64) -> Performance {
         let largest = |of: &dyn Fn(&Move) -> Option<f64>| {
@@ -86,7 +86,7 @@ impl Performance {
         }
     }
 
-    /// Of a run that did not come to its end.
+    /// The result of a run that did not complete.
     #[must_use]
     pub fn failed(failure: String) -> Performance {
         Performance {
@@ -109,9 +109,9 @@ impl Performance {
         }
     }
 
-    /// How far it is from the goal, s.
+    /// Its distance from the goal, s.
     #[must_use]
-    pub fn distance_s(&self, goal: &Goal) -> f64 {
+    pub(crate) fn distance_s(&self, goal: &Goal) -> f64 {
         if !self.failure.is_empty() {
             return FAILED;
         }

@@ -54,7 +54,7 @@ pub(super) fn search(
 pub struct Suspect {
     /// The removed imperfection.
     pub what: &'static str,
-    /// As `key=value`.
+    /// The settings that remove it, as `key=value`.
     pub settings: Vec<String>,
 }
 
@@ -63,13 +63,13 @@ pub struct Suspect {
 pub struct LimitingImperfection {
     /// The suspect.
     pub suspect: Suspect,
-    /// On the variants of a rig without it.
+    /// The trials on the variants of a rig without it.
     pub found: Found,
 }
 
 /// The possible causes on a rig.
 #[must_use]
-pub fn suspects(rig: &Rig) -> Vec<Suspect> {
+pub(crate) fn suspects(rig: &Rig) -> Vec<Suspect> {
     [of_operator(rig), of_valve(rig), of_load(rig), of_sampling(rig)].concat()
 }
 

@@ -21,7 +21,7 @@ use pneudrive_records::whole_file::put;
 use super::Task;
 use super::cost::Cost;
 
-/// Its first line.
+/// The first line of the file.
 const MARK: &str = "pneudrive-tune 1\n";
 
 /// Its name in the folder of a result.
@@ -30,7 +30,7 @@ pub const NAME: &str = "tune.state";
 /// The generations that are known already, by what was asked.
 #[derive(Debug, Default)]
 pub struct Memory {
-    /// None: nothing is kept.
+    /// The file; None: nothing is stored.
     file: Option<PathBuf>,
     task: String,
     known: Mutex<BTreeMap<u64, Vec<Cost>>>,
@@ -58,13 +58,13 @@ impl Memory {
         Ok(Memory { file: Some(path), task: own, known: Mutex::new(known) })
     }
 
-    /// How many generations are known already.
+    /// Number of generations that are known already.
     #[must_use]
     pub fn generations(&self) -> usize {
         self.lock().len()
     }
 
-    /// The search is over: its file goes.
+    /// Removes the file once the search is over.
     ///
     /// # Errors
     /// When it cannot be removed.
@@ -77,12 +77,12 @@ impl Memory {
         }
     }
 
-    /// What came out when this was asked.
+    /// The costs that are stored for a question, if there are any.
     pub(super) fn recalled(&self, question: &impl Debug) -> Option<Vec<Cost>> {
         self.lock().get(&digest(question)).cloned()
     }
 
-    /// Keeps what came out. A file that cannot be written costs no result.
+    /// Stores the costs for a question. A file that cannot be written costs no result.
     pub(super) fn keep(&self, question: &impl Debug, costs: &[Cost]) {
         let Some(path) = &self.file else { return };
         let mut known = self.lock();

@@ -13,14 +13,14 @@ use pneudrive_sim::rig::unit_interval;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 
-/// How long is looked for.
+/// The size of a search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Budget {
-    /// Candidates at a time.
+    /// Candidates per generation.
     pub population: usize,
-    /// Times that all of them have successors.
+    /// Generations.
     pub generations: usize,
-    /// The same seed looks at the same places.
+    /// Seed: the same seed tries the same candidates.
     pub seed: u64,
 }
 
@@ -28,8 +28,8 @@ impl Budget {
     /// Candidates and generations for eleven numbers.
     pub const OF_GAINS: [usize; 2] = [24, 25];
 
-    /// Candidates and generations of a search on a rig, unless others are asked for: a law that knows its drive has three numbers to
-    /// look for, others eleven.
+    /// Candidates and generations of a search on a rig, unless others are requested: a law that knows its drive has three
+    /// numbers to search, other laws have eleven.
     #[must_use]
     pub fn usual(rig: &Rig) -> [usize; 2] {
         if rig.knows_its_drive() { [8, 6] } else { Budget::OF_GAINS }

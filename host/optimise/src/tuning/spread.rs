@@ -9,29 +9,29 @@ use pneudrive_sim::rig::unit_interval;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 
-/// How much a rig may differ, as a fraction of its file's values.
+/// Largest deviation of a rig from its file, as a fraction of the file's values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Relative {
-    /// The mass.
+    /// Of the mass.
     pub load: f64,
-    /// All friction of the load.
+    /// Of all friction of the load.
     pub friction: f64,
-    /// The supply pressure.
+    /// Of the supply pressure.
     pub supply: f64,
-    /// The conductances of the valve.
+    /// Of the conductances of the valve.
     pub valve: f64,
 }
 
 /// A rig of the spread, as factors on the file's values, and its step.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Variant {
-    /// On the mass.
+    /// Factor on the mass.
     pub load: f64,
-    /// On all friction of the load.
+    /// Factor on all friction of the load.
     pub friction: f64,
-    /// On the supply pressure.
+    /// Factor on the supply pressure.
     pub supply: f64,
-    /// On the conductances of the valve.
+    /// Factor on the conductances of the valve.
     pub valve: f64,
     /// Where the step lies on the way that the drive has: 0 at its retracted end, 1 at its extended end.
     pub place: f64,
@@ -58,18 +58,18 @@ const VALVE: [&str; 2] = [
     keys::iso6358::EXHAUST_SONIC_CONDUCTANCE_M3_PER_S_PA.key.path,
 ];
 
-/// Of the random numbers: those that gains are tuned on, and those that they are judged on.
+/// Streams of random numbers: for the draws that gains are tuned on, and for those that they are judged on.
 const TUNED_ON: u64 = 0;
 const FRESH: u64 = 1;
-/// Those of the valve, so that the others are the same with a valve that is known.
+/// Streams for the valve: the other values are then the same where the valve is known.
 const VALVE_TUNED_ON: u64 = 3;
 const VALVE_FRESH: u64 = 4;
 
 impl Relative {
-    /// Whether a rig has all that is drawn.
+    /// Whether a rig has every value that is drawn.
     ///
     /// # Errors
-    /// What it has not.
+    /// The drawn values that a rig lacks.
     pub fn check(&self, rig: &Rig) -> Result<()> {
         let has_valve = VALVE.iter().any(|key| rig.number_at(key).is_some());
         ensure!(
@@ -132,7 +132,7 @@ const DRAWS: usize = 20;
 /// spread and of places, in alternating directions. Corners alone would be a different drive from the one that the
 /// gains are judged on: they are its rarest and worst.
 #[must_use]
-pub fn tuned_on(spread: &Relative, seed: u64) -> Vec<Variant> {
+pub(crate) fn tuned_on(spread: &Relative, seed: u64) -> Vec<Variant> {
     let mut random = stream(seed, TUNED_ON);
     let mut share = || unit_interval(&mut random);
     let [load, friction, supply, place] = [(); 4].map(|()| strata(DRAWS, &mut share));

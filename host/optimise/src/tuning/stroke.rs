@@ -8,13 +8,13 @@ use super::{Performance, Task, Tuned, Variant};
 /// Parts of the way that the drive has besides the step.
 const PLACES: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
 
-/// Runs that it takes at most.
+/// The largest number of runs that it takes.
 pub(super) const RUNS: usize = PLACES.len() * MEMBERS;
 
-/// The step at a place.
+/// The step at one position of the stroke.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AtPlace {
-    /// From where to where it goes, and back, mm.
+    /// Begin and end of the step, and back, mm.
     pub ends_mm: [f64; 2],
     /// On the rig of the file, first, and on its perturbed runs.
     pub runs: Vec<Performance>,
@@ -24,7 +24,7 @@ pub struct AtPlace {
 ///
 /// # Errors
 /// When it cannot be simulated.
-pub fn along_the_stroke(task: &Task, tuned: &Tuned) -> Result<Vec<AtPlace>> {
+pub(crate) fn along_the_stroke(task: &Task, tuned: &Tuned) -> Result<Vec<AtPlace>> {
     let trial = Trial::of(task, &[])?;
     let mut steps: Vec<AtPlace> = Vec::new();
     for place in PLACES {

@@ -1,7 +1,7 @@
 //! How the drive follows a sine in mid-stroke, with the gains of the file and with those that were found.
 //!
-//! The setpoint swings about the middle of the range of the steps by a fifth of the stroke, 60 mm at most, or as far as that range
-//! goes. It makes three swings. The first one begins at full speed and is left out.
+//! The setpoint swings about the middle of the range of the steps by a fifth of the stroke, 60 mm at most, or as far as that
+//! range goes. It makes three swings. The first one begins at full speed and is left out.
 //!
 //! | run on | shows |
 //! |---|---|
@@ -25,13 +25,13 @@ use pneudrive_evaluate::cancel::{CancelToken, Cancelled};
 use pneudrive_evaluate::parallel;
 use sine::Sine;
 
-/// Of the sines.
+/// Frequencies of the sines, Hz.
 pub const FREQUENCIES_HZ: [f64; 2] = [0.5, 1.0];
 
 /// This many of the fresh draws are used.
 const DRAWS: usize = 20;
 
-/// With which gains a sine is followed.
+/// The gains with which a sine is followed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Gains {
     /// The file's gains.
@@ -51,9 +51,9 @@ pub struct Tracked {
     pub gains: Gains,
     /// The gains as `key=value`, if they are not the file's.
     pub settings: Vec<String>,
-    /// On the rig of the file, first, and on its perturbed runs; of a run that did not come to its end, why.
+    /// The errors on the rig of the file, first, and on its perturbed runs; for a run that did not complete, the reason.
     pub runs: Vec<Result<Following, String>>,
-    /// On fresh draws.
+    /// The errors on fresh draws.
     pub draws: Vec<Result<Following, String>>,
 }
 
@@ -62,7 +62,7 @@ pub struct Tracked {
 ///
 /// # Errors
 /// When they cannot be simulated.
-pub fn tracked(
+pub(crate) fn tracked(
     task: &Task,
     tuned: &Tuned,
     mut progress: impl FnMut(Progress) + Send,
@@ -129,7 +129,7 @@ fn gains(trial: &Trial, tuned: &Tuned) -> Result<Vec<(Gains, Vec<String>)>> {
 
 /// Whether a rig's law adds the setpoint's own motion.
 #[must_use]
-pub fn feeds_forward(rig: &Rig) -> bool {
+pub(crate) fn feeds_forward(rig: &Rig) -> bool {
     rig.get(&keys::controller::VELOCITY_FEED_FORWARD) != 0
         || rig.get(&keys::controller::ACCELERATION_FEED_FORWARD) != 0
 }

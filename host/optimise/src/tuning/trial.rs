@@ -73,9 +73,9 @@ struct StepRange {
 
 /// The task of a drive on a rig.
 pub(super) struct TaskMoves {
-    /// As `key=value`.
+    /// Settings, as `key=value`.
     pub moves: String,
-    /// How long it takes, s.
+    /// Duration of the test, s.
     pub duration_s: f64,
     /// The first setpoint, counts. It starts half a count beside it, since a start on the edge of a count is ill-defined.
     pub from: i64,
@@ -156,7 +156,7 @@ impl Trial {
     ///
     /// # Errors
     /// When it cannot be simulated.
-    pub fn members_of(&self, gains: &[String], variant: &Variant) -> Result<Vec<Performance>> {
+    pub(crate) fn members_of(&self, gains: &[String], variant: &Variant) -> Result<Vec<Performance>> {
         let rig = self.rig_of(gains, variant)?;
         let runs = Trial::measure_members(&rig, |rig, run| self.measured(rig, run))?;
         let performance = |(_, moves): (Transient, Vec<Move>)| self.performance(&moves);
@@ -178,8 +178,8 @@ impl Trial {
         Performance::of(&steps.iter().collect::<Vec<_>>(), self.goal.step_mm, self.goal.time_s)
     }
 
-    /// A move at whose end the law holds the load: it stands, and whatever leaks, the law keeps the force within what running friction
-    /// holds, so that it does not jump. Under other laws a drive whose pressures change may.
+    /// A move at whose end the law holds the load: it stands, and whatever leaks, the law keeps the force within what running
+    /// friction holds, so that it does not jump. Under other laws a drive whose pressures change may.
     fn held(&self, one: &Move) -> Move {
         match one.limit_cycle {
             LimitCycle::Undecided(Doubt::Sticking { .. }) if self.rig.knows_its_drive() => Move {

@@ -1,5 +1,5 @@
-//! How often members of the ensemble of a run leave its band, in closed loops drawn at random. A band is that of the run and its first
-//! seven perturbed runs, all at the tolerance of the run; the seven after these are drawn at other tolerances.
+//! How often members of the ensemble of a run leave its band, in closed loops drawn at random. A band is that of the run and
+//! its first seven perturbed runs, all at the tolerance of the run; the seven after these are drawn at other tolerances.
 
 #[path = "../../../../sim/tests/drawn/mod.rs"]
 mod drawn;

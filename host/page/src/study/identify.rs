@@ -20,7 +20,7 @@ pub struct IdentifyRequest {
     #[serde(flatten)]
     asked: PageRig,
     records: Vec<Record>,
-    /// Keys; none: those that are never known exactly.
+    /// Keys to fit; without any, those that are never known exactly.
     #[serde(default)]
     fit: Vec<String>,
 }

@@ -2,8 +2,8 @@
 
 use serde_json::{Value, json};
 
-/// This many steps are reported one by one, later ones in this many parts of the whole: a line for each run would be
-/// too many.
+/// The first this many steps are reported one by one; later steps are reported each time another of this many parts of the
+/// whole is done. A line for each run would be too many.
 const PARTS: usize = 200;
 
 /// Reports the progress of a task whenever it has changed.

@@ -30,7 +30,7 @@ pub struct TuneRequest {
 pub struct Goal {
     /// Size of the step, mm.
     step_mm: f64,
-    /// The drive has settled within this distance of its setpoint, mm; none: `test.tolerance_mm` of the rig.
+    /// The drive has settled within this distance of its setpoint, mm; without it, `test.tolerance_mm` of the rig.
     settled_mm: Option<f64>,
     /// Largest overshoot allowed, % of the step.
     overshoot_percent: f64,
@@ -47,10 +47,10 @@ pub struct Goal {
     valve_percent: f64,
     /// Number of draws on which the gains are judged.
     draws: usize,
-    /// Candidates per generation; without it as many as the command takes for the law of the rig.
+    /// Candidates per generation; without it, the default of the command for the rig's law.
     #[serde(default)]
     population: Option<usize>,
-    /// Generations; without it as many as the command takes for the law of the rig.
+    /// Generations; without it, the default of the command for the rig's law.
     #[serde(default)]
     generations: Option<usize>,
 }
@@ -96,7 +96,7 @@ impl TuneRequest {
         };
         let most = task.max_runs().map_err(impossible)?;
         let runs = tune(&task.taste(), |_| {}, cancel).map_err(impossible)?.runs;
-        // The time since the page has asked, times `all` over `done`, is how long it takes at most.
+        // The page multiplies the elapsed time by `all` / `done`: the result is an upper bound on the whole time.
         let all = most as f64 + behaviour::steps_worth(&task);
         (audience.hears)(json!({ "what": "taste", "done": runs, "all": all }));
         let mut meter = Meter::new(audience.hears);

@@ -1,7 +1,7 @@
 //! The number and the date of a run, and whether it may replace another (thesis I.1 (a) to (c)).
 //!
-//! The runs of a folder are counted: a run has the number after that of the run that it replaces. The date is that of the clock, or of `SOURCE_DATE_EPOCH` (seconds since 1970), with which a
-//! run can be written again byte for byte.
+//! The runs of a folder are counted: a run has the number after that of the run that it replaces. The date is that of the
+//! clock, or of `SOURCE_DATE_EPOCH` (seconds since 1970), with which a run can be written again byte for byte.
 
 use std::fmt;
 use std::path::Path;
@@ -39,12 +39,12 @@ impl fmt::Display for Numbered {
 }
 
 impl Numbered {
-    /// Of the next run in a folder.
+    /// The identity of the next run in a folder.
     ///
     /// # Errors
     /// As [`refuse_other_rig`], and when `SOURCE_DATE_EPOCH` is not a time.
     pub(super) fn next(folder: &Path, rig: &Rig, existing: Existing) -> Result<Numbered> {
-        // A run that a killed program has left counts as the last one.
+        // A run that a killed program left behind counts as the last one.
         if let Some(said) = settle(folder)? {
             log::info!("{said}");
         }
@@ -53,7 +53,7 @@ impl Numbered {
         Ok(Numbered { run: before.saturating_add(1), date: date(std::env::var(EPOCH).ok())? })
     }
 
-    /// From the description of a run; None if it lacks them.
+    /// The identity in the description of a run; None if the description lacks it.
     pub(super) fn of(description: &serde_json::Value) -> Option<Numbered> {
         Some(Numbered { run: description["run"].as_u64()?, date: description["date"].as_str()?.to_owned() })
     }

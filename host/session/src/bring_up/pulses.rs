@@ -183,7 +183,7 @@ impl BringUp<'_> {
         }
         let decimation = last_sample.div_ceil(1000).clamp(1, u32::from(u16::MAX)) as u16;
         self.client.prepare_moves("bring-up", &sequence, decimation)?;
-        // Read before the start, which forgets the sample.
+        // It is read before the start, which discards the sample.
         let from = self.client.status()?.position;
         self.client.arm()?;
         let followed =

@@ -46,7 +46,7 @@ pub(super) fn execute(choice: &RigChoice, port: &str, folder: &Path) -> Result<R
         tell!("the plan goes on behind the {} tests that an interrupted one has recorded", kept.len());
     }
     let count = kept.count;
-    // If this program is killed, the next plan gives its loop back.
+    // If this program is killed, the next plan restores the loop.
     let recorded = lend(&mut client, &[id::OPEN_LOOP], |client| {
         plan::run(&mut AtPort { client, folder, kept: &mut kept }, &closed, &open, count)
     })

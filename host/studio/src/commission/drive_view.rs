@@ -33,17 +33,17 @@ pub struct DriveView {
     pub stream_hz: Option<f64>,
     /// Soft limits of the position, mm; None where the drive has none.
     pub limits_mm: [Option<f64>; 2],
-    /// mm; None where nothing has set one.
+    /// Setpoint, mm; None where no test has set one.
     pub setpoint: Option<f64>,
-    /// mm.
+    /// Position, mm.
     pub position: Option<f64>,
-    /// Counts.
+    /// Error, counts.
     pub error: i32,
-    /// Counts.
+    /// Command, counts.
     pub command: i16,
-    /// kPa.
+    /// Pressures, kPa.
     pub pressures: [Option<f64>; 2],
-    /// mm.
+    /// Spool position, mm.
     pub spool: Option<f64>,
     /// The last message for the page; empty without one.
     pub message: String,

@@ -24,7 +24,7 @@ pub const JOG_SILENCE: Duration = MOTION_SILENCE;
 /// An order of the page.
 #[derive(Debug)]
 pub enum Order {
-    /// The page is there.
+    /// A sign of life of the page.
     Alive,
     /// Enable the drive.
     Arm,

@@ -250,7 +250,7 @@ impl<'a> Pilot<'a> {
     fn stop(&mut self, waiting: Vec<Stopped>) -> Result<()> {
         self.client.stop()?;
         for stopped in waiting {
-            // Those who have gone meanwhile hear nothing.
+            // A request whose sender has gone gets no answer.
             let _ = stopped.send(());
         }
         Ok(())

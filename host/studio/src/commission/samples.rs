@@ -16,17 +16,17 @@ const APART_S: f64 = 0.25;
 /// A row for the page. Unknown values are NaN, null in JSON.
 #[derive(Clone, Copy, Debug)]
 pub struct Row {
-    /// mm.
+    /// Setpoint, mm.
     pub setpoint: Option<f64>,
-    /// mm.
+    /// Position, mm.
     pub position: Option<f64>,
-    /// kPa.
+    /// Pressures, kPa.
     pub pressures: [Option<f64>; 2],
-    /// mm.
+    /// Spool position, mm.
     pub spool: Option<f64>,
-    /// Counts.
+    /// Error, counts.
     pub error: i32,
-    /// Counts.
+    /// Command, counts.
     pub command: i16,
 }
 

@@ -41,7 +41,7 @@ fn serve(port: &str, waiting: &Receiver<Waiting>) {
         let stopped = Client::connect(port).and_then(|mut client| client.stop());
         let told = stopped.map_err(|error| format!("{error:#}"));
         for one in std::iter::once(first).chain(others) {
-            // Those who have gone meanwhile hear nothing.
+            // A request whose sender has gone gets no answer.
             let _ = one.send(told.clone());
         }
     }

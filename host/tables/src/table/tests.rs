@@ -5,7 +5,7 @@ fn table(text: &str) -> Table {
 }
 
 fn refusal(text: &str) -> String {
-    let of = |column: usize| Table::of_text(text).and_then(|table| table.all_numbers(column));
+    let of = |column: usize| Table::read(text.as_bytes()).and_then(|table| table.all_numbers(column));
     let found = [0, 1].map(of).into_iter().find_map(Result::err);
     found.unwrap_or_else(|| panic!("{text:?} is read")).to_string()
 }

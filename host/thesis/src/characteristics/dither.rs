@@ -48,7 +48,7 @@ impl BlockedPort {
 ///
 /// # Errors
 /// When the spool cannot be followed.
-pub fn vibration(rig: &Rig, dither: Dither) -> Result<f64, Unfit> {
+pub(crate) fn vibration(rig: &Rig, dither: Dither) -> Result<f64, Unfit> {
     let mut bench = SpoolBench::new(rig, Some(dither));
     let period = 1.0 / dither.frequency_hz;
     bench.watch(20.0 * period, 1)?;

@@ -171,8 +171,8 @@ mod tests {
     use super::super::Reading;
     use super::*;
 
-    /// A proportional drive with oil on its slide and without friction in its valve: it rests where it asks for the null, at Kp / scale = 2
-    /// commands to a count of error.
+    /// A proportional drive with oil on its slide and without friction in its valve: it rests where it asks for the null, at
+    /// Kp / scale = 2 commands to a count of error.
     fn drifting(rate: f64) -> Rig {
         let text = format!(
             "[controller]\nlaw = \"proportional\"\nproportional_gain = 512\nvelocity_gain = 0\nacceleration_gain = 0\n\

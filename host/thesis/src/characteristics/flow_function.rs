@@ -29,7 +29,7 @@ const MACH_NUMBERS: [f64; 5] = [0.0, 0.2, 0.4, 0.6, 0.8];
 
 /// Choked flow of an ideal nozzle, kg/s per m^2, from a pressure (Pa) and temperature (K) at rest.
 #[must_use]
-pub fn choked_flux(gas: &Gas, pressure_pa: f64, temperature: f64) -> f64 {
+pub(crate) fn choked_flux(gas: &Gas, pressure_pa: f64, temperature: f64) -> f64 {
     let n = gas.heat_capacity_ratio;
     let shape = libm::pow(2.0 / (n + 1.0), (n + 1.0) / (2.0 * (n - 1.0)));
     pressure_pa * (n / (gas.gas_constant * temperature)).sqrt() * shape
@@ -37,7 +37,7 @@ pub fn choked_flux(gas: &Gas, pressure_pa: f64, temperature: f64) -> f64 {
 
 /// Flow of the rig's widest open land to the supply at a pressure ratio, kg/s, from the rig's supply at rest.
 #[must_use]
-pub fn land_flow(rig: &Rig, ratio: f64) -> f64 {
+pub(crate) fn land_flow(rig: &Rig, ratio: f64) -> f64 {
     let (gas, valve) = (Gas::of(rig), Valve::of(rig));
     let (up, down) = (rig.get(&keys::supply::PRESSURE_PA), ratio * rig.get(&keys::supply::PRESSURE_PA));
     let spool = valve.null_offset + valve.travel;
@@ -49,7 +49,7 @@ pub fn land_flow(rig: &Rig, ratio: f64) -> f64 {
 /// The flow function with an upstream Mach number (V.9, V.11) at a ratio of static pressures up to 1, as a share of
 /// the choked flow from rest.
 #[must_use]
-pub fn with_approach(gas: &Gas, mach: f64, ratio: f64) -> f64 {
+pub(crate) fn with_approach(gas: &Gas, mach: f64, ratio: f64) -> f64 {
     let stagnation = 1.0 + (gas.heat_capacity_ratio - 1.0) / 2.0 * mach * mach;
     let of = |upstream, downstream| FlowLaw::Orifice.psi(gas, upstream, downstream);
     (of(stagnation, gas.exner(ratio)) / (stagnation * of(1.0, 0.0))).sqrt()

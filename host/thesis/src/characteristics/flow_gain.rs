@@ -14,7 +14,7 @@ use pneudrive_sim::keys;
 pub(super) const ABOUT: &str = "flow of a port over the spool, by supply pressure (7.1.1.1, Fig. 7.4)";
 
 /// Pressure at the supply port in Fig. 7.4, Pa.
-pub const FIG_7_4_SUPPLY_PA: f64 = 317e3;
+pub(crate) const FIG_7_4_SUPPLY_PA: f64 = 317e3;
 
 /// The gain is taken this far to either side of the null, as a part of the travel; nearer, the clearance bends the
 /// curve.

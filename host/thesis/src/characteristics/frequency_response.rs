@@ -37,7 +37,7 @@ const AMPLITUDE: f64 = 819.0;
 pub struct Response {
     /// Amplitude of the spool over the amplitude of the command.
     pub gain: f64,
-    /// Radians, negative where the spool lags.
+    /// Phase, radians; negative where the spool lags.
     pub phase: f64,
 }
 

@@ -19,7 +19,7 @@ pub(super) const ABOUT: &str = "spool over command, up and down (7.1.2.1, Fig. 7
 /// Commands from one end of the range to the other.
 const LEVELS: i32 = 128;
 
-/// Each level is held for this long at least, s.
+/// The shortest time that each level is held, s.
 const MIN_DWELL: f64 = 0.02;
 
 /// A loop: commands and where the spool is, both m, a branch each.
@@ -27,12 +27,12 @@ const MIN_DWELL: f64 = 0.02;
 pub struct Loop {
     /// From the lowest command to the highest.
     pub up: Vec<(f64, f64)>,
-    /// And back.
+    /// From the highest command back to the lowest.
     pub down: Vec<(f64, f64)>,
 }
 
 impl Loop {
-    /// How far the branches are apart along the command where they pass `level`, m.
+    /// Distance of the branches along the command where they pass `level`, m.
     #[must_use]
     pub fn width(&self, level: f64) -> Option<f64> {
         let passes = |branch: &[(f64, f64)]| {

@@ -24,7 +24,7 @@ pub(super) const ABOUT: &str = "pressures of blocked ports over the spool, by su
 const HALF_WIDTH: f64 = 0.1;
 const INTERVALS: usize = 20;
 
-/// Slope are taken over this part of the travel to either side.
+/// Slopes are taken over this part of the travel to either side.
 const SLOPE_OVER: f64 = 1e-3;
 
 /// Resolution of the gauges, Pa.
@@ -33,9 +33,9 @@ const READING_PA: f64 = 1e3;
 /// A blocked-port test: spool positions (m) and the pressures (Pa) read there.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Readings {
-    /// m.
+    /// Spool positions, m.
     pub spool: Vec<f64>,
-    /// Pa, of ports 1 and 2.
+    /// Pressures of ports 1 and 2, Pa.
     pub pressures: Vec<[f64; 2]>,
 }
 
@@ -53,7 +53,7 @@ pub struct Null {
 /// Reads the blocked ports of a rig's valve about their crossing, under a supply pressure (Pa), to whole
 /// `reading_pa` (0: exactly). None where the pressures do not cross within the travel.
 #[must_use]
-pub fn read_blocked_ports(rig: &Rig, supply_pa: f64, reading_pa: f64) -> Option<Readings> {
+pub(crate) fn read_blocked_ports(rig: &Rig, supply_pa: f64, reading_pa: f64) -> Option<Readings> {
     let mut bench = ValveBench::new(rig, supply_pa);
     let middle = crossing(&mut bench)?;
     let rounded = |pressure: f64| {
@@ -81,7 +81,7 @@ fn crossing(bench: &mut ValveBench) -> Option<f64> {
 
 /// The null of readings, by least squares against the rig's own curves with their null at zero.
 #[must_use]
-pub fn null_by_least_squares(rig: &Rig, supply_pa: f64, readings: &Readings) -> Null {
+pub(crate) fn null_by_least_squares(rig: &Rig, supply_pa: f64, readings: &Readings) -> Null {
     let mut bench = ValveBench::new(rig, supply_pa);
     bench.valve.null_offset = 0.0;
     let middle = readings.spool.iter().sum::<f64>() / readings.spool.len().max(1) as f64;

@@ -18,7 +18,7 @@ use pneudrive_optimise::tuning::Proportion;
 /// The model's answer to a statement.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Finding {
-    /// In figures of the runs.
+    /// The answer, in figures of the runs.
     pub shows: String,
     /// Whether it agrees with the thesis.
     pub verdict: Verdict,
@@ -27,13 +27,13 @@ pub struct Finding {
 /// Whether the model agrees with the thesis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// It does.
+    /// It agrees.
     Agrees,
-    /// It does not.
+    /// It does not agree.
     Differs,
     /// There is nothing to compare with, or the runs do not show it.
     Open,
-    /// It does from some starts and not from others.
+    /// It agrees from some starts and not from others.
     Depends,
 }
 
@@ -80,7 +80,7 @@ impl Finding {
 const NO_REFERENCE: &str = "what to compare with is lost";
 
 impl Verdict {
-    /// From the number of starts that agree and that differ; the others are undecided.
+    /// The verdict from the number of starts that agree and that differ; the others are undecided.
     fn of_shares(agree: usize, differ: usize, of: usize) -> Verdict {
         let open = of - agree - differ;
         let surely = |met: usize| Proportion { met, of }.interval()[0] > MAJORITY;

@@ -73,7 +73,7 @@ impl Outcome {
         Some(self.swing()?.mean_mm)
     }
 
-    /// How far it swings, in words.
+    /// Its swing in a sentence.
     pub(super) fn rest(&self) -> String {
         format!("{} swings by {}", self.name, formatted(self.swing_mm(), 2, "mm"))
     }

@@ -44,7 +44,7 @@ pub fn at_start(variant: &Variant, start: usize) -> Result<Rig> {
 /// The settings that move the test of a rig.
 fn moved(rig: &Rig, start: usize) -> Vec<String> {
     let pulse_mm = mm_per_count(rig);
-    // Whole counts: the drive keeps its place between two of them.
+    // Whole counts, so that the drive keeps its position between two counts.
     let counts = (MAX_OFFSET_MM * (2.0 * reversed(start, 2) - 1.0) / pulse_mm).round();
     let position_m = rig.get(&keys::test::POSITION_M) + 1e-3 * pulse_mm * counts;
     let phase_deg = (rig.get(&keys::dither::DITHER_PHASE_DEG) + 360.0 * reversed(start, 3)) % 360.0;

@@ -4,7 +4,8 @@
 //! it swings by more than 1 mm in each of them, and is steady if it does so in none; a graph over the stroke of 300
 //! mm shows nothing smaller. Otherwise it starts or ceases to vibrate, or jumps now and then.
 //!
-//! The limit cycle of [`pneudrive_evaluate::evaluation`] asks for more, a constant swing: a drive that hunts irregularly has none.
+//! The limit cycle of [`pneudrive_evaluate::evaluation`] asks for more, a constant swing: a drive that hunts irregularly has
+//! none.
 
 /// The motion of a drive at the end of its moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -12,11 +12,11 @@
 
 /// A chamber at the samples of a record.
 pub(super) struct Readings {
-    /// s.
+    /// Times, s.
     pub time: Vec<f64>,
-    /// Pa.
+    /// Pressures, Pa.
     pub pressure: Vec<f64>,
-    /// m^3.
+    /// Volumes, m^3.
     pub volume: Vec<f64>,
     /// The leakage into it past the piston, kg/s.
     pub leak: Vec<f64>,
@@ -28,7 +28,7 @@ pub(super) struct Readings {
 
 /// The integral, kg, and its noise at each sample.
 pub(super) struct Filling {
-    /// kg.
+    /// The integral, kg.
     pub mass: Vec<f64>,
     /// Standard deviation, kg.
     pub noise: Vec<f64>,

@@ -39,9 +39,9 @@ const FEWEST_IN_A_PERIOD: f64 = 6.0;
 pub struct Chambers {
     actuator: Actuator,
     gas: Gas,
-    /// Of the supply, K.
+    /// Temperature of the supply, K.
     temperature: f64,
-    /// Of the operator's dither, Hz; None without one.
+    /// Frequency of the operator's dither, Hz; None without one.
     dither_hz: Option<f64>,
     /// Range of the pressure converters, kPa.
     range_kpa: [f64; 2],

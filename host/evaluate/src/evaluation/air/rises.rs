@@ -2,7 +2,7 @@
 
 /// Rises up to each value.
 pub(super) struct Rises {
-    /// Their sum.
+    /// Sum of the rises up to each value.
     pub sum: Vec<f64>,
     /// The sum of the bands at which each was seen.
     pub bands: Vec<f64>,

@@ -34,7 +34,7 @@ const PARTS: usize = 3;
 
 /// A drive that stands still.
 pub(super) struct Standstill<'a> {
-    /// Its pressures, kPa; not numbers where they were not measured.
+    /// Its pressures, kPa; NaN where they were not measured.
     pressures: [&'a [f64]; 2],
     /// Of a simulated run, the part of its grip that is used ([`FrictionUse::used`]), and [`FrictionUse::per_kpa`].
     grip: Option<(&'a [f64], [f64; 2])>,
@@ -109,14 +109,14 @@ impl PressureTrend {
         (0.0..1.0).contains(&ratio).then_some(ratio)
     }
 
-    /// The remaining change, kPa, without a sign.
+    /// The size of the remaining change, kPa.
     fn remainder(&self) -> f64 {
         let as_it_goes = FORESEEN_S / self.part_s;
         let by = self.decays().map_or(as_it_goes, |ratio| ratio.powf(1.5) / (1.0 - ratio));
         self.changes[1].abs() * by.min(as_it_goes)
     }
 
-    /// kPa/s, without a sign.
+    /// The size of the rate of change, kPa/s.
     fn rate(&self) -> f64 {
         self.changes[1].abs() / self.part_s
     }

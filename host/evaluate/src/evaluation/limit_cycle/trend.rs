@@ -4,7 +4,7 @@
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Trend {
     mean: [f64; 2],
-    /// y per x.
+    /// The slope, y per x.
     pub slope: f64,
     /// Standard error of the slope.
     pub deviation: f64,

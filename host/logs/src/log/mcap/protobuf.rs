@@ -88,7 +88,7 @@ impl Messages {
             if values.is_empty() && field.is_implied {
                 values.push(Found::Number(0.0));
             }
-            // Of a field that is not repeated, the last one holds.
+            // If a field is not repeated, its last value holds.
             let skipped = if field.is_repeated { 0 } else { values.len().saturating_sub(1) };
             for (place, value) in values.into_iter().skip(skipped).enumerate() {
                 let name = below(path, &field.name);

@@ -89,8 +89,8 @@ fn a_vertical_drive_is_faster_downwards_and_a_longer_step_takes_longer() {
     assert!(longer.time_s > 1.2 * up.time_s, "{longer:?} {up:?}");
 }
 
-/// The valves of the thesis sampled every 0.5 ms, extending and retracting; a prototype of another program found the same ranges. A
-/// stepper opens by one step a sample, so that longer periods cost it time.
+/// The valves of the thesis sampled every 0.5 ms, extending and retracting; a prototype of another program found the same
+/// ranges. A stepper opens by one step a sample, so that longer periods cost it time.
 #[test]
 fn the_valves_of_the_thesis_make_60_mm_in_the_times_that_their_flow_allows() {
     let fast = ["controller.period_s=0.0005", "controller.delay_s=0.0002"].map(str::to_owned);

@@ -22,7 +22,7 @@ pub(super) const REQUIRED: &str = "#c0392b";
 const MET: &str = "#1f4e9c";
 pub(super) const MISSED: &str = "#e08214";
 
-/// Of the samples of many runs every so manieth is drawn.
+/// Every this many samples of many runs, one is drawn.
 pub(super) const EVERY: usize = 3;
 
 /// The steps of all fresh draws from their beginnings on: how far they have gone, and how close they come.

@@ -33,7 +33,7 @@ pub fn rig_file(task: &Task, tuned: &Tuned) -> Result<String> {
     let typed: Vec<String> = task.settings.iter().chain(&task.fixed).cloned().collect();
     let text = rig_text::with_settings(without_head(&task.source.1), &typed, "set for pneudrive tune")?;
     let text = rig_text::with_settings(&text, &tuned.after.settings, "found by pneudrive tune")?;
-    // Its own test need not hold for the step.
+    // The rig's own test may not suit the step.
     let rig = Trial::of(task, &[])?.rig.with_settings(&tuned.after.settings)?;
     let text = rig_text::with_settings(&text, &implied(&rig), "as without this line")?;
     Ok(format!("{MARK}: {}\n{}{text}", verdict(task, tuned), head(task, &rig)?))

@@ -11,7 +11,7 @@ use pneudrive_evaluate::transient::{COMMAND, POSITION, SETPOINT, Transient};
 use pneudrive_report::{Curve, Figure, Look, Panel, Table};
 
 impl Gains {
-    /// In words.
+    /// The gains in words.
     #[must_use]
     pub fn word(self) -> &'static str {
         match self {
@@ -23,7 +23,7 @@ impl Gains {
 }
 
 impl Limit {
-    /// In words.
+    /// The limit in words.
     #[must_use]
     pub fn word(self) -> &'static str {
         match self {

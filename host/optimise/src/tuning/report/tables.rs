@@ -94,7 +94,7 @@ pub fn members(tuned: &Tuned, goal: &Goal) -> Table {
 
 /// The step along the stroke.
 #[must_use]
-pub fn along_the_stroke(steps: &[AtPlace], goal: &Goal) -> Table {
+pub(crate) fn along_the_stroke(steps: &[AtPlace], goal: &Goal) -> Table {
     let row = |step: &AtPlace| {
         let [from, to] = step.ends_mm;
         with_ensemble(format!("{from:.1} to {to:.1}"), &step.runs, goal)

@@ -36,13 +36,13 @@ const MAX: f64 = 0.5;
 /// The limit of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Limit {
-    /// Dead band and encoder.
+    /// Resolution: the dead band and the encoder.
     Resolution,
-    /// The piston sticks.
+    /// Friction: the piston sticks.
     Friction,
-    /// The valve is fully open.
+    /// Valve flow: the valve is fully open.
     ValveFlow,
-    /// It needs an error to open the valve.
+    /// The law: it needs an error to open the valve.
     Law,
 }
 

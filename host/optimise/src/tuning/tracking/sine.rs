@@ -11,7 +11,7 @@ use pneudrive_evaluate::transient::Transient;
 const OF_STROKE: f64 = 0.2;
 const LARGEST_MM: f64 = 60.0;
 
-/// Swings of a sine, and those that are left out.
+/// Number of swings of a sine, and of those that are left out.
 const SWINGS: u32 = 3;
 const LEFT_OUT: u32 = 1;
 
@@ -23,15 +23,15 @@ pub(super) fn lasts_s(frequency_hz: f64) -> f64 {
 /// A sine, in the counts of its rig.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sine {
-    /// Hz.
+    /// Frequency, Hz.
     pub frequency_hz: f64,
     /// Its centre, counts.
     pub middle: i64,
-    /// To either side, counts.
+    /// Amplitude, counts.
     pub amplitude: i64,
-    /// mm.
+    /// Length of a count, mm.
     pub mm_per_count: f64,
-    /// When it begins, s.
+    /// Start of the sine, s.
     pub begins_s: f64,
 }
 
@@ -57,7 +57,7 @@ impl Sine {
         self.middle as f64 * self.mm_per_count
     }
 
-    /// To either side, mm.
+    /// Amplitude, mm.
     #[must_use]
     pub fn amplitude_mm(&self) -> f64 {
         self.amplitude as f64 * self.mm_per_count
@@ -69,9 +69,9 @@ impl Sine {
         std::f64::consts::TAU * self.frequency_hz * self.amplitude_mm()
     }
 
-    /// From when until when it is measured, s.
+    /// Begin and end of the time in which it is measured, s.
     #[must_use]
-    pub fn measured_s(&self) -> [f64; 2] {
+    pub(crate) fn measured_s(&self) -> [f64; 2] {
         [LEFT_OUT, SWINGS].map(|swings| self.begins_s + f64::from(swings) / self.frequency_hz)
     }
 

@@ -45,7 +45,7 @@ impl Pilot<'_> {
 
     /// Runs a test; from elsewhere than its start the drive goes there slowly before, if the page has agreed to that.
     pub(super) fn run_from_start(&mut self, rig: Box<Rig>, agreed_mm: Option<f64>) -> Result<()> {
-        // What is refused in the end is refused before anything moves.
+        // A test that would be refused at its start is refused before anything moves.
         self.refuse_unready(&rig)?;
         match self.way(&rig)? {
             Some(way) if way.is_to_go(agreed_mm)? => {
@@ -77,7 +77,7 @@ impl Pilot<'_> {
         };
         let done = match status.mode {
             Mode::Done => has_come().and_then(|()| self.run(&rig, Purpose::Test)),
-            // Whatever ended its way is told already.
+            // The page knows already why the approach ended.
             _ => Ok(()),
         };
         self.follows_with(None);
