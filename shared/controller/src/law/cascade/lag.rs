@@ -134,7 +134,12 @@ impl Lag {
     }
 
     /// A sample with this rate of the model's flow, Q24.
+    #[inline(always)]
     pub(super) fn take(&mut self, constants: &Constants, rate: i32) {
+        // Nobody asks for an error that nothing is learned by.
+        if constants.certainty == 0 {
+            return;
+        }
         let change = rate.saturating_sub(core::mem::replace(&mut self.last, rate));
         self.of_flow.take(constants, rate);
         self.of_change.take(constants, change.saturating_neg());
