@@ -175,6 +175,10 @@ impl Constants {
 #[inline(always)]
 fn phi(pressure: i32, y: i32) -> i32 {
     let y = y.clamp(0, ONE) as u32;
+    // Choked: the share is 1.
+    if y == ONE as u32 {
+        return pressure;
+    }
     let share = root(fitting(y, (2 << 24) - y, 18));
     fitting(pressure as u32, share, 15) as i32
 }
