@@ -20,7 +20,7 @@ pub const MAX_INSTRUCTIONS_OF_FIRST: u64 = 490;
 
 /// What both may take under the law cascade, in the mean of a run and at most: on a drive by its data sheets, and on one whose
 /// spool is measured behind tubes.
-pub const BUDGETS_OF_CASCADE: [(f64, u64); 2] = [(2350.0, 3850), (2800.0, 4600)];
+pub const BUDGETS_OF_CASCADE: [(f64, u64); 2] = [(2150.0, 3600), (2550.0, 4250)];
 
 /// A run and what it has cost.
 pub struct Cost {

@@ -21,7 +21,7 @@
 //! | E, R | Q24 | 0 to 32 | 1e-4 of the largest |
 
 use super::land::Land;
-use super::number::{ONE, fitting, product, root};
+use super::number::{ONE, fitting, product, root, scaled};
 use super::tubes::{self, Side, Tubes};
 use crate::parameters::{Parameters, id};
 
@@ -37,6 +37,8 @@ pub struct Constants {
     pub(super) exhaust: i32,
     /// r.
     pub(super) ratio: i32,
+    /// Pe (1 - r).
+    outside: i32,
     dead: [i32; 2],
     pub(super) stroke: i32,
     /// n, Q16.
@@ -76,11 +78,13 @@ pub struct Air {
 impl Constants {
     pub(super) fn of(parameters: &Parameters) -> Constants {
         let get = |id| parameters.scalar(id);
+        let (exhaust, ratio) = (get(id::CASCADE_EXHAUST_PRESSURE), get(id::CASCADE_AREA_RATIO));
         let mut constants = Constants {
             offset: get(id::CASCADE_PRESSURE_OFFSET),
             gain: get(id::CASCADE_PRESSURE_GAIN),
-            exhaust: get(id::CASCADE_EXHAUST_PRESSURE),
-            ratio: get(id::CASCADE_AREA_RATIO),
+            exhaust,
+            ratio,
+            outside: product(exhaust, ONE - ratio, 24),
             dead: [get(id::CASCADE_DEAD_LENGTH_1), get(id::CASCADE_DEAD_LENGTH_2)],
             stroke: get(id::CASCADE_STROKE),
             exponent: get(id::CASCADE_EXPONENT),
@@ -102,7 +106,7 @@ impl Constants {
 
     /// F.
     pub(super) fn force(&self, [one, two]: [i32; 2]) -> i32 {
-        one - product(self.ratio, two, 24) - product(self.exhaust, ONE - self.ratio, 24)
+        one - scaled(two, self.ratio, 24) - self.outside
     }
 
     /// 1/L with the piston at x, counts.
@@ -118,8 +122,9 @@ impl Constants {
     pub(super) fn at(&self, x: i32, pressures: [i32; 2]) -> Air {
         let [one, two] = self.by_lengths(x);
         let [p1, p2] = pressures;
-        let springs = product(p1, one, 26) + product(product(self.ratio, p2, 24), two, 26);
-        let stiffness = product(springs, self.exponent, 16);
+        // P is at most 2, r 1 and n 2, 1/L 2^28.
+        let springs = scaled(p1, one, 26) + scaled(scaled(p2, self.ratio, 24), two, 26);
+        let stiffness = scaled(springs, self.exponent, 16);
         let ([fill_1, fill_2], [vent_1, vent_2]) =
             (pressures.map(|p| self.fill(p)), pressures.map(|p| self.vent(p)));
         let of_extend = [self.flow(fill_1, one, 0), self.flow(vent_2, two, 1)];
@@ -146,7 +151,7 @@ impl Constants {
 
     #[inline(always)]
     fn fill(&self, pressure: i32) -> Path {
-        let up = phi(ONE, product(ONE - pressure, self.steepness[0], 16));
+        let up = phi(ONE, scaled(ONE - pressure, self.steepness[0], 16));
         Path { up, left: self.tubes.as_ref().map_or(tubes::ALL, |tubes| tubes.fill(up, pressure)) }
     }
 
@@ -155,7 +160,7 @@ impl Constants {
         // (P - Pe)/P in Q16: P is below 2^25, and not 0.
         let drop = (pressure - self.exhaust).max(0) as u32;
         let part = (drop << 7).checked_div(pressure as u32 >> 9).unwrap_or(0);
-        let up = phi(pressure, product(part.min(1 << 16) as i32, self.steepness[1], 8));
+        let up = phi(pressure, scaled(part.min(1 << 16) as i32, self.steepness[1], 8));
         let left = self.tubes.as_ref().map_or(tubes::ALL, |tubes| tubes.vent(up, pressure, self.exhaust));
         Path { up, left }
     }
@@ -175,6 +180,10 @@ impl Constants {
 #[inline(always)]
 fn phi(pressure: i32, y: i32) -> i32 {
     let y = y.clamp(0, ONE) as u32;
+    // Choked: the share is 1.
+    if y == ONE as u32 {
+        return pressure;
+    }
     let share = root(fitting(y, (2 << 24) - y, 18));
     fitting(pressure as u32, share, 15) as i32
 }

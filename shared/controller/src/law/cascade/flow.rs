@@ -12,7 +12,7 @@
 //! | f | Q24 | saturated |
 //! | g | Q40, 64 bits | -16 to 16 |
 
-use super::number::{product, share};
+use super::number::{product, scaled};
 use crate::fixed::saturate;
 use crate::parameters::{Parameters, id};
 
@@ -51,7 +51,7 @@ impl Flow {
     pub(super) fn observe(&mut self, constants: &Constants, force: i32, rate: i32) -> i32 {
         let expected = self.force.saturating_add(rate).saturating_add(self.unknown());
         let error = force.saturating_sub(expected);
-        self.force = expected.saturating_add(share(error, constants.force));
+        self.force = expected.saturating_add(scaled(error, constants.force, 30));
         let change = (i64::from(error) * i64::from(constants.rate)) >> 14;
         self.unknown = (self.unknown + change).clamp(-MOST, MOST);
         error

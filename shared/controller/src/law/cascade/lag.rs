@@ -17,7 +17,7 @@
 //! | s, L | Q24 of 0.1 and of 1 ms | -8 to 8, -4 to 4 |
 //! | pace, 1/pace, tau/tau' | Q16 | 0.5 to 3, 1/3 to 2, 1/3 to 2 |
 
-use super::number::{product, ratio, share};
+use super::number::{product, ratio, scaled};
 use super::squares::Squares;
 use crate::fixed::saturate;
 use crate::parameters::{Parameters, id};
@@ -116,7 +116,7 @@ impl Missed {
         let change = (i64::from(self.error) * i64::from(constants.rate)) >> 14;
         self.rate = (self.rate + change).clamp(-MOST, MOST);
         let found = saturate((self.rate + (1 << 15)) >> 16);
-        self.error = share(self.error, constants.decay).saturating_add(rate).saturating_sub(found);
+        self.error = scaled(self.error, constants.decay, 30).saturating_add(rate).saturating_sub(found);
     }
 }
 
@@ -134,7 +134,12 @@ impl Lag {
     }
 
     /// A sample with this rate of the model's flow, Q24.
+    #[inline(always)]
     pub(super) fn take(&mut self, constants: &Constants, rate: i32) {
+        // Nobody asks for an error that nothing is learned by.
+        if constants.certainty == 0 {
+            return;
+        }
         let change = rate.saturating_sub(core::mem::replace(&mut self.last, rate));
         self.of_flow.take(constants, rate);
         self.of_change.take(constants, change.saturating_neg());
@@ -149,7 +154,7 @@ impl Lag {
         let [of_flow, of_change] = [self.of_flow.error, self.of_change.error];
         let weighed = |force: i32| product(force, constants.certainty, 24);
         let h =
-            [product(weighed(of_flow), SPREAD, 16), product(weighed(of_change), constants.millisecond, 16)];
+            [scaled(weighed(of_flow), SPREAD, 16), product(weighed(of_change), constants.millisecond, 16)];
         self.squares.fit(h, weighed(error), 0, &BOUNDS);
         let [_, lag] = self.squares.unknown;
         if lag.unsigned_abs() > WORTH {

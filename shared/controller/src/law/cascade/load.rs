@@ -17,7 +17,7 @@
 //! | forces, M, s as they are used | Q24, Q16, Q16 | |
 //! | filters of speed, force and friction | Q16, Q24, Q24 | 2^14 counts a sample, saturated, 1 |
 
-use super::number::{ONE, product, ratio, within};
+use super::number::{ONE, product, ratio, scaled, within};
 use super::squares::Squares;
 use crate::parameters::{Parameters, id};
 
@@ -44,6 +44,8 @@ pub struct Constants {
     force: i32,
     /// 1/noise, Q16; 0: nothing is learned.
     pub(super) certainty: i32,
+    /// The stiction over the noise, Q16.
+    doubt: i32,
     /// Of the filter, Q16.
     pole: i32,
     /// 30 mm/s, Q16.
@@ -85,6 +87,7 @@ impl Constants {
             |value: i32| ratio(1 << 40, u64::from(value.unsigned_abs())).min(i32::MAX as u64) as i32;
         // 300 T/(1 + 300 T).
         let pole = ratio((300 * u64::from(period_us)) << 16, 1_000_000 + 300 * u64::from(period_us));
+        let certainty = if noise == 0 { 0 } else { inverse(noise) };
         Constants {
             acceleration,
             inertia: inverse(acceleration),
@@ -93,7 +96,8 @@ impl Constants {
             viscous: get(id::CASCADE_VISCOUS),
             weight: get(id::CASCADE_WEIGHT),
             force: get(id::CASCADE_STANDING_FORCE),
-            certainty: if noise == 0 { 0 } else { inverse(noise) },
+            certainty,
+            doubt: product(get(id::CASCADE_STICTION), certainty, 24),
             pole: pole as i32,
             fast: product(speed, 1966, 16),
         }
@@ -139,9 +143,9 @@ impl Default for Load {
 fn pass(filter: &mut Filter, input: i32, pole: i32) -> i32 {
     let [first, second, third] = filter;
     let before = *third;
-    *first = first.saturating_add(product(input.saturating_sub(*first), pole, 16));
-    *second = second.saturating_add(product(first.saturating_sub(*second), pole, 16));
-    *third = third.saturating_add(product(second.saturating_sub(*third), pole, 16));
+    *first = first.saturating_add(scaled(input.saturating_sub(*first), pole, 16));
+    *second = second.saturating_add(scaled(first.saturating_sub(*second), pole, 16));
+    *third = third.saturating_add(scaled(second.saturating_sub(*third), pole, 16));
     before
 }
 
@@ -238,22 +242,23 @@ impl Load {
         let drag = product(constants.viscous, speed, 22);
         let known = inertia.saturating_add(slide).saturating_add(drag).saturating_add(constants.force);
         let h = [
-            product(constants.weighed(inertia), SPREAD, 16),
-            product(constants.weighed(slide), SPREAD, 16),
-            constants.weighed(constants.stiction),
+            scaled(constants.weighed(inertia), SPREAD, 16),
+            scaled(constants.weighed(slide), SPREAD, 16),
+            constants.doubt,
             constants.weighed(drag),
         ];
         let y = constants.weighed(force.saturating_sub(known));
-        let doubt = product(left, constants.weighed(constants.stiction), 24);
+        // No more than 1 is left.
+        let doubt = scaled(constants.doubt, left, 24);
         self.squares.fit(h, y, product(doubt, doubt, 16), &BOUNDS);
     }
 
     /// The unknowns as they are used.
     fn take_over(&mut self, constants: &Constants) {
         let [mass, friction, force, viscous] = self.squares.unknown;
-        self.mass = ((1 << 16) + product(mass, SPREAD, 24)).clamp(1 << 14, 5 << 15);
+        self.mass = ((1 << 16) + scaled(mass, SPREAD, 24)).clamp(1 << 14, 5 << 15);
         self.by_mass = u32::MAX.checked_div(self.mass.unsigned_abs()).unwrap_or(0) as i32;
-        self.friction = ((1 << 16) + product(friction, SPREAD, 24)).min(2 << 16);
+        self.friction = ((1 << 16) + scaled(friction, SPREAD, 24)).min(2 << 16);
         self.standing = product(constants.weight, self.mass, 16)
             .saturating_add(constants.force)
             .saturating_add(product(constants.stiction, force, 24));

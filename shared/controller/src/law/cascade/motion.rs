@@ -17,7 +17,7 @@
 //! | e | Q16 | 2^15 counts, saturated |
 
 use super::load::{self, Load};
-use super::number::{ONE, product, ratio, root, within};
+use super::number::{ONE, product, ratio, root, scaled, within};
 use crate::fixed::{quotient, saturate};
 use crate::parameters::{Parameters, id};
 
@@ -146,12 +146,12 @@ impl Motion {
         // min(|v|/creep, 1) of the friction.
         let share = product(within(self.v, 1 << 24), constants.per_creep, 16);
         let rubbed =
-            product(load.slide(of_load, self.v.signum()), within(share.saturating_abs(), 1 << 16), 16);
+            scaled(load.slide(of_load, self.v.signum()), within(share.saturating_abs(), 1 << 16), 16);
         let pull = force.saturating_sub(load.drag(self.v)).saturating_sub(rubbed).saturating_sub(self.d);
         let a = load.accelerated(of_load, pull);
         let expected = self.x.wrapping_add(i64::from(self.v) + i64::from(a >> 1));
         let error = saturate(place.wrapping_sub(expected));
-        self.x = expected.wrapping_add(i64::from(product(error, constants.place, 30)));
+        self.x = expected.wrapping_add(i64::from(scaled(error, constants.place, 30)));
         self.v = self.v.saturating_add(a).saturating_add(product(error, constants.speed, 30));
         let wrong = product(product(error, constants.force, 20), load.mass, 16);
         self.d = within(self.d.saturating_sub(wrong), ONE);

@@ -17,10 +17,12 @@ pub(super) fn fitting(a: u32, b: u32, bits: u32) -> u32 {
     ((u64::from(a) * u64::from(b) + (1 << (bits - 1))) >> bits) as u32
 }
 
-/// `a` times a part in Q30, from 0 to 1; rounded as [`product`], and never more than `a`.
+/// The same with a sign: mostly of a number and a part of 1, which is 2^bits.
 #[inline(always)]
-pub(super) fn share(a: i32, part: i32) -> i32 {
-    ((i64::from(a) * i64::from(part) + (1 << 29)) >> 30) as i32
+pub(super) fn scaled(a: i32, b: i32, bits: u32) -> i32 {
+    let exact = (i64::from(a) * i64::from(b) + (1 << (bits - 1))) >> bits;
+    debug_assert!(i32::try_from(exact).is_ok(), "{a} {b} {bits}");
+    exact as i32
 }
 
 /// `a b / 2^32`, rounded down; exact for any a.
@@ -122,7 +124,7 @@ mod tests {
         );
         for a in [i32::MIN, -12_345, -1, 0, 7, i32::MAX] {
             assert!(
-                [0, 1, 3 << 28, 1 << 30].iter().all(|&part| share(a, part) == product(a, part, 30)),
+                [0, 1, 3 << 28, 1 << 30].iter().all(|&part| scaled(a, part, 30) == product(a, part, 30)),
                 "{a}"
             );
         }

@@ -20,7 +20,7 @@
 //! | s' | Q16 counts a sample | 2^15 |
 //! | a to d | Q24 | -128 to 128 |
 
-use super::number::{product, ratio, within};
+use super::number::{product, ratio, scaled, within};
 use super::transition::{MOST, Transition};
 use crate::parameters::{Parameters, id};
 
@@ -47,6 +47,8 @@ pub(super) struct Constants {
     /// f_0 and f.
     stiction: i32,
     friction: i32,
+    /// 1.05 f_0.
+    away: i32,
     /// Below this speed it stands.
     still: i32,
     play: i32,
@@ -92,6 +94,7 @@ impl Constants {
             second: [get(id::CASCADE_SPOOL_SECOND_WAY), get(id::CASCADE_SPOOL_SECOND_SPEED)],
             stiction: get(id::CASCADE_SPOOL_STICTION),
             friction,
+            away: product(get(id::CASCADE_SPOOL_STICTION), AWAY, 16),
             still: product(friction, by_spring, 30).max(1 << 14),
             play,
             strongest: (largest << 16).saturating_sub(play).max(0),
@@ -119,8 +122,8 @@ impl Spool {
             return;
         }
         let error = measured.saturating_sub(self.place);
-        self.place = self.place.saturating_add(product(error, OF_PLACE, 16));
-        self.speed = within(self.speed.saturating_add(product(error, OF_SPEED, 16)), 2 * MOST);
+        self.place = self.place.saturating_add(scaled(error, OF_PLACE, 16));
+        self.speed = within(self.speed.saturating_add(scaled(error, OF_SPEED, 16)), 2 * MOST);
         self.mean = self.mean.saturating_add(error / 2);
     }
 
@@ -140,7 +143,7 @@ impl Spool {
         self.pull =
             self.pull.min(self.command + constants.play).max(self.command.saturating_sub(constants.play));
         let after = self.glide(constants, constants.sample, ONE - share);
-        self.mean = product(before, share, 16).saturating_add(product(after, ONE - share, 16));
+        self.mean = scaled(before, share, 16).saturating_add(scaled(after, ONE - share, 16));
         counts
     }
 
@@ -159,9 +162,8 @@ impl Spool {
             (stay, product(way, of_way, 24))
         });
         let reach = reach(first, constants.strongest).min(reach(second, constants.strongest));
-        let pull = first.0.saturating_add(product(first.1, reach, 16));
-        let away =
-            self.place.saturating_add(product(constants.stiction, AWAY, 16).saturating_mul(way.signum()));
+        let pull = first.0.saturating_add(scaled(first.1, reach, 16));
+        let away = self.place.saturating_add(constants.away.saturating_mul(way.signum()));
         let too_weak = pull.saturating_sub(away).signum() == -way.signum();
         if still && too_weak { away } else { pull }
     }
@@ -188,14 +190,14 @@ impl Spool {
     /// A time in which it stops, as it would have the speed `then` at its end; and goes back, if it is pulled on.
     fn stop(&mut self, constants: &Constants, transition: Transition, then: i32, time: i32) {
         let gone = part(self.speed, then);
-        let way = product(product(self.speed, gone, 16), time, 17);
+        let way = scaled(scaled(self.speed, gone, 16), time, 17);
         (self.place, self.speed) = (self.place.saturating_add(way), 0);
         let free = self.pull.saturating_sub(self.place);
         if free.saturating_abs() > constants.stiction {
             let left = ONE - gone;
             let drive = free.saturating_sub(constants.friction.saturating_mul(free.signum()));
-            self.speed = product(product(drive.saturating_neg(), transition.pull(), 28), left, 16);
-            self.place = self.place.saturating_add(product(product(self.speed, left, 16), time, 17));
+            self.speed = scaled(product(drive.saturating_neg(), transition.pull(), 28), left, 16);
+            self.place = self.place.saturating_add(scaled(scaled(self.speed, left, 16), time, 17));
         }
     }
 }

@@ -19,7 +19,7 @@
 
 use super::air::Air;
 use super::land::Land;
-use super::number::{over, product, ratio, within};
+use super::number::{over, product, ratio, scaled, within};
 use super::spring::{self, Spool};
 use super::stepper::{self, Stepped};
 use super::transition::{MOST, Transition};
@@ -99,7 +99,7 @@ impl Constants {
     /// C of a path whose land is at z, Q16.
     fn conductance(&self, z: i32) -> i32 {
         let open = product(z.saturating_sub(self.lap), self.by_span, 28).clamp(0, 1 << 16);
-        self.leakage + product(open, (1 << 16) - self.leakage, 16)
+        self.leakage + scaled(open, (1 << 16) - self.leakage, 16)
     }
 
     /// E C(z) - R C(-z), Q24.
@@ -107,7 +107,7 @@ impl Constants {
         if let Some(land) = &self.land {
             return self.rate_of_land(land, air, z);
         }
-        product(air.extend, self.conductance(z), 16) - product(air.retract, self.conductance(-z), 16)
+        scaled(air.extend, self.conductance(z), 16) - scaled(air.retract, self.conductance(-z), 16)
     }
 
     #[inline(never)]
@@ -147,13 +147,13 @@ impl Constants {
         if let Some(land) = &self.land {
             return self.opening_of_land(land, air, rate, least);
         }
-        let leak = product(air.extend - air.retract, self.leakage, 16);
+        let leak = scaled(air.extend - air.retract, self.leakage, 16);
         let net = rate.saturating_sub(leak);
         let open = if net > 0 { air.extend } else { air.retract };
         if net.unsigned_abs() < least.unsigned_abs() {
             return 0;
         }
-        let asked = net.saturating_abs().saturating_add(product(open, self.leakage, 16));
+        let asked = net.saturating_abs().saturating_add(scaled(open, self.leakage, 16));
         let share =
             ratio(u64::from(asked.unsigned_abs()) << 16, u64::from(open.unsigned_abs())).min(1 << 16) as i32;
         let place = self.lap.saturating_add(product(self.span, (share - self.leakage).max(0), 16));
@@ -214,8 +214,8 @@ impl Valve {
         let middle = self.through_play(constants.play);
         self.go_on(constants.sample, by_pace);
         let last = self.through_play(constants.play);
-        let before = product(first.saturating_add(middle), constants.share, 17);
-        let after = product(middle.saturating_add(last), (1 << 16) - constants.share, 17);
+        let before = scaled(first.saturating_add(middle), constants.share, 17);
+        let after = scaled(middle.saturating_add(last), (1 << 16) - constants.share, 17);
         self.mean = before.saturating_add(after);
         counts
     }
