@@ -18,6 +18,11 @@ fn the_demo_does_the_whole_job_and_numbers_its_records() {
         let figures: Vec<f64> = row.split_whitespace().filter_map(|word| word.parse().ok()).collect();
         assert!(figures.iter().any(|figure| *figure != 0.0), "the spread makes a difference: {row}");
     }
+    let report = std::fs::read_to_string(folder.path().join("report.html")).expect("the report");
+    for who in ["The virtual rig", "The simulation"] {
+        let told = format!("{who} settles within 0.05 mm after ");
+        assert!(printed.contains(&told) && report.contains(&told), "{printed}");
+    }
     ok(folder.path(), "demo");
     exists(folder.path(), &["TARGET02.DAT"]);
 }

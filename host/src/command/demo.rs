@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use pneudrive_evaluate::cancel::CancelToken;
-use pneudrive_evaluate::evaluation::{moves_of_run, to_json};
+use pneudrive_evaluate::evaluation::{Motion, Move, moves, moves_of_run, to_json, tolerance_mm, verdict};
 use pneudrive_evaluate::report;
 use pneudrive_evaluate::transient::Transient;
 use pneudrive_link::client::Client;
@@ -71,8 +71,8 @@ pub(super) fn execute(arguments: &Demo) -> Result<()> {
         say!("   {note}");
     }
 
-    say!("5. both on the same graphs\n");
-    let page = page(arguments, &model, &judged, (&target_path, &target))?;
+    say!("5. both on the same graphs");
+    let page = page(arguments, &model, &judged, &ensemble.measured, (&target_path, &target))?;
     let moves = to_json(&ensemble.measured);
     json::figures(|| figures::run(&model, &judged, &moves));
     json::figures(|| json!({ "record": target_path, "recorded": target.samples.len() }));
@@ -84,24 +84,37 @@ pub(super) fn execute(arguments: &Demo) -> Result<()> {
     Ok(())
 }
 
-/// The record and the simulation on the same graphs.
+/// The record and the simulation on the same graphs, below what the drive did in each.
 fn page(
     arguments: &Demo,
     model: &Rig,
     judged: &Judged,
+    measured: &[Vec<Move>],
     (target_path, target): (&Path, &TargetFile),
 ) -> Result<Page> {
     let percent = 100.0 * arguments.spread;
     let name = target_path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let simulated = Transient::of_run("simulated", &StoredRun::of_judged(model, judged));
-    let transients = [Transient::of_target(&name, target)?, simulated];
+    let recorded = Transient::of_target(&name, target)?;
+    let tolerance = tolerance_mm(Some(model));
+    let on_the_rig = moves(&recorded, &Motion::of(&recorded), None, tolerance);
+    let results = [
+        format!("The virtual rig {}.", verdict(&[on_the_rig], tolerance)),
+        format!("The simulation {}.", simulate::sentence(judged, &verdict(measured, tolerance))),
+    ];
+    results.iter().for_each(|result| say!("   {result}"));
+    say!("");
+    let transients = [recorded, simulated];
     let tables = overlay(&transients)?;
+    let [of_rig, of_simulation] = results;
     let notes = vec![
+        of_rig,
+        of_simulation,
         format!(
             "{name} was recorded on a virtual rig whose true parameters lie within {percent} % of the rig file's (seed {}), with noise on its sensors; the simulation knows only the rig file.",
             arguments.seed
         ),
-        "A deviation is the simulation less the record.".to_owned(),
+        "A deviation is the simulation less the record. The band is that of the perturbed runs, not of the rig's parameters: a rig that differs from its file lies mostly outside.".to_owned(),
     ];
     let title = format!("{}: {name} and the simulation", model.name());
     Ok(report::page(&title, notes, &transients, tables))

@@ -121,7 +121,7 @@ fn strictly(judged: &Judged) -> Result<()> {
 }
 
 /// What the drive does, with what takes its worth from it first.
-fn sentence(judged: &Judged, verdict: &str) -> String {
+pub(super) fn sentence(judged: &Judged, verdict: &str) -> String {
     let trips = judged.run.fault.map(|(fault, _)| format!("trips with {}; ", words::fault_name(fault)));
     let doubt = (!judged.convergence.is_converged()).then_some("not converged, so this may be otherwise: ");
     [trips.as_deref(), doubt, Some(verdict)].into_iter().flatten().collect()
