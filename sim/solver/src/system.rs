@@ -12,6 +12,7 @@ pub trait System<const N: usize, const G: usize, const E: usize> {
     /// Not negative as long as the present modes hold. They are evaluated inside a step as well, so that a guard
     /// that becomes negative and comes back is seen.
     fn guards(&mut self, _t: f64, _x: &[f64; N]) -> [f64; G] {
+        const { assert!(G == 0, "a system with guards must define them") };
         [f64::INFINITY; G]
     }
 

@@ -3,7 +3,7 @@
 use super::{Body, Contact, FrictionModel, STATES, States};
 use pneudrive_solver::{Derivative, Event, IntegrationError, Integrator, Method, System};
 
-/// Way, velocity, and the states of the model.
+/// Distance, velocity, and the states of the model.
 const N: usize = 2 + STATES;
 
 /// Allowed error of a step, of 1 m, 1 m/s and the scales of the model.
@@ -12,10 +12,10 @@ const TOLERANCE: f64 = 1e-11;
 /// Where a body has come to rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stop {
-    /// After how long, s.
+    /// Time until then, s.
     pub time: f64,
-    /// After which way, m.
-    pub way: f64,
+    /// Distance until then, m.
+    pub distance: f64,
 }
 
 /// A body that extends, or has come to rest.
@@ -44,7 +44,7 @@ impl<F: FrictionModel> System<N, 1, 0> for Coasting<'_, F> {
     }
 
     fn handle_event(&mut self, _event: Event, time: f64, x: &mut [f64; N]) -> Derivative {
-        self.stop = Some(Stop { time, way: x[0] });
+        self.stop = Some(Stop { time, distance: x[0] });
         Derivative::Discontinuous
     }
 }
@@ -56,7 +56,7 @@ impl<F: FrictionModel> System<N, 1, 0> for Coasting<'_, F> {
 ///
 /// // Coulomb friction of 40 N takes 2 kg from 1 m/s to rest in 50 ms, on 25 mm.
 /// let stop = coast(&DryFriction::symmetric(70.0, 40.0), 2.0, 1.0, 1.0)?.expect("it stops");
-/// assert!((stop.time - 0.050).abs() < 1e-9 && (stop.way - 0.025).abs() < 1e-9);
+/// assert!((stop.time - 0.050).abs() < 1e-9 && (stop.distance - 0.025).abs() < 1e-9);
 /// # Ok::<(), pneudrive_sim::IntegrationError>(())
 /// ```
 ///
@@ -100,6 +100,6 @@ mod tests {
         let coulomb = coast(&DryFriction::symmetric(70.0, 40.0), 2.0, 2.0, 1.0).expect("a solution");
         let coulomb = coulomb.expect("it stops");
         assert!((stop.time / coulomb.time - 1.0).abs() < 0.05, "{stop:?}, {coulomb:?}");
-        assert!((stop.way / coulomb.way - 1.0).abs() < 0.02, "{stop:?}, {coulomb:?}");
+        assert!((stop.distance / coulomb.distance - 1.0).abs() < 0.02, "{stop:?}, {coulomb:?}");
     }
 }
