@@ -20,7 +20,7 @@ macro_rules! words {
             /// Their words.
             pub const WORDS: &'static [&'static str] = &[$($word),+];
 
-            /// That of a parameter's value, which is within the range of the table.
+            /// The variant of a parameter's value, whose range the table has checked.
             pub(crate) fn of(value: i32) -> $name {
                 let place = usize::try_from(value).unwrap_or(0);
                 Self::ALL.get(place).copied().unwrap_or(Self::ALL[0])

@@ -56,9 +56,9 @@ pub struct Timing {
     pub host_silence_ms: u32,
     /// How long an enabled drive stands without a host before it is disarmed, milliseconds.
     pub hold_ms: u32,
-    /// For how long digital inputs are the same before they count, milliseconds.
+    /// How long digital inputs must be unchanged before they count, milliseconds.
     pub input_debounce_ms: u32,
-    /// For how long start and number stay before the start begins something, milliseconds.
+    /// How long the start input and the number must be unchanged before a start takes effect, milliseconds.
     pub input_settling_ms: u32,
 }
 
@@ -240,7 +240,7 @@ fn homing(parameters: &Parameters, period_us: NonZeroU32) -> HomingConfig {
         kind: HomingKind::of(parameters.scalar(id::HOMING_SWITCH)),
         command: parameters.scalar(id::HOMING_COMMAND_COUNTS) as i16,
         position: parameters.scalar(id::HOMING_POSITION_COUNTS),
-        // Less would not be told from standing still.
+        // A shorter back-off could not be told from standing still.
         back_off: unsigned(id::HOMING_BACK_OFF_COUNTS).max(unsigned(id::NO_MOTION_COUNTS).saturating_add(1)),
         still_counts: unsigned(id::NO_MOTION_COUNTS),
         still_samples: samples_of_ms(unsigned(id::HOMING_STILL_MS), period_us),

@@ -51,7 +51,7 @@ pub struct Motion {
 pub struct Estimator {
     positions: [i32; HISTORY],
     newest: usize,
-    /// The number of samples taken, as far as they are kept.
+    /// Samples taken; not counted beyond the length of the history.
     taken: usize,
 }
 

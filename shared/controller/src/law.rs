@@ -82,9 +82,9 @@ pub(crate) struct Reference {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Measured<'a> {
     pub motion: &'a Motion,
-    /// As they were converted.
+    /// Chamber pressures, raw.
     pub pressures: [i16; 2],
-    /// The spool, as it was converted.
+    /// Spool displacement, raw.
     pub spool: i16,
     /// What was learned of the valve's null, counts.
     pub learned: i32,
@@ -102,13 +102,13 @@ pub(crate) trait ControlLaw: Default {
     /// Its own constants.
     type Settings;
 
-    /// The error (counts) beyond which it pushes the axis, though it may have shut the valve on the air that pushes: there the
-    /// command tells nothing of the effort. By default none: the command is the effort.
+    /// The error, counts, beyond which the law pushes the axis even while it has shut the valve on the air that
+    /// pushes, so that the command does not show the effort. By default there is none: the command is the effort.
     fn pushes_beyond(_settings: &Self::Settings) -> u32 {
         u32::MAX
     }
 
-    /// Why it ends the run, if it has seen at a sample that its drive is not what it takes it for.
+    /// The fault that ends the run, if the law has found that its drive is not the one that it is set up for.
     fn fault(&self) -> Option<Fault> {
         None
     }
@@ -139,7 +139,7 @@ macro_rules! control_laws {
         }
 
         impl Settings {
-            /// Those of parameters, each within its range.
+            /// The constants of parameters that are each within their range.
             pub(crate) fn of(parameters: &Parameters) -> Settings {
                 match Law::of(parameters.scalar(id::LAW)) {
                     $(Law::$law => Settings::$law($file::Settings::of(parameters)),)+
@@ -172,7 +172,7 @@ macro_rules! control_laws {
                 }
             }
 
-            /// Why it ends the run, if it does.
+            /// The fault that ends the run, if the law has found one.
             pub(crate) fn fault(&self) -> Option<Fault> {
                 match self {
                     Running::None => None,

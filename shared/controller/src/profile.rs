@@ -191,7 +191,7 @@ impl Point {
         Point { x: (i64::from(count) << 16) + (1 << 15), ..Point::default() }
     }
 
-    /// Both motions together.
+    /// The sum of two motions.
     pub(crate) fn plus(self, other: Point) -> Point {
         Point {
             x: self.x.wrapping_add(other.x),
@@ -219,7 +219,7 @@ pub(crate) struct Waypoint {
     pub velocity: i32,
     /// Counts per sample squared, in 2^-12.
     pub acceleration: i32,
-    /// The same, finer.
+    /// Place and motion in finer units.
     pub point: Point,
     /// Whether it is the last one.
     pub last: bool,
@@ -264,7 +264,7 @@ impl Progress {
             return Waypoint { setpoint, point: Point::at(setpoint), ..Waypoint::default() };
         }
         let velocity = at.wrapping_sub(self.at);
-        // What went before a profile is no motion of it.
+        // The motion before a profile is not part of it.
         let acceleration = if self.k == 1 { 0 } else { velocity.wrapping_sub(self.velocity) };
         let jerk = if self.k <= 2 { 0 } else { acceleration.wrapping_sub(self.acceleration) };
         (self.at, self.velocity, self.acceleration) = (at, velocity, acceleration);

@@ -46,9 +46,9 @@ pub enum Entry<'a> {
         name: &'a str,
         /// Number of the last sample, up to [`UNTIL_STOPPED`](crate::UNTIL_STOPPED).
         last_sample: u32,
-        /// The moves come again every so many samples; 0: they come once.
+        /// The moves repeat every this many samples; 0: they come once.
         round: u32,
-        /// Every how manyth sample is stored; 1: all.
+        /// Every nth sample is stored; 1: all.
         decimation: u16,
         /// Stored samples before k = 0.
         pre_trigger: u16,
@@ -69,8 +69,8 @@ pub enum Entry<'a> {
     MoveRecord {
         /// 1 to [`MOVE_RECORDS`](crate::MOVE_RECORDS).
         number: u8,
-        /// As [`ProfiledMove`](crate::ProfiledMove) writes it, the dwell (samples) in place of the first sample; kind
-        /// [`NO_MOVE`](crate::profiled::NO_MOVE): there is none of this number any more.
+        /// As [`ProfiledMove`](crate::ProfiledMove) writes it, with the dwell (samples) in place of the first sample;
+        /// kind [`NO_MOVE`](crate::profiled::NO_MOVE) removes the record of this number.
         bytes: &'a [u8],
     },
 }

@@ -58,9 +58,9 @@ pub enum FrameError {
 /// COBS is undone as the bytes come in and the message stays where it was collected: nothing is
 /// copied, and the work at a delimiter is the CRC alone.
 ///
-/// Damage costs the frames it touches, and the following one where it hit a delimiter. An error
-/// shows at the next delimiter; up to there everything is discarded, so that the tail of an
-/// overlong frame is never taken for a frame. Delimiters in a row are nothing at all.
+/// Damage costs the frames that it touches, and the following one where it hit a delimiter. An error shows at the
+/// next delimiter; up to there everything is discarded, so that the tail of an overlong frame is never taken for a
+/// frame. Delimiters in a row are ignored.
 ///
 /// ```
 /// use pneudrive_protocol::frame::{Accumulator, FrameError, encode};

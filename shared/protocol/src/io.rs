@@ -7,13 +7,13 @@
 pub mod input {
     /// The number of a move record; [`HOMING`] homes the axis. 0 is none: so are lines that are all open.
     pub const NUMBER: u8 = 0x0f;
-    /// The number that homes the axis: no open line makes it of another one.
+    /// The number that homes the axis: a broken wire never turns another number into this one.
     pub const HOMING: u8 = 15;
     /// From off to on: begins the record of the number.
     pub const START: u8 = 0x10;
     /// From off to on: acknowledges a fault or a stop.
     pub const ACKNOWLEDGE: u8 = 0x20;
-    /// Off: stops the drive. So an open wire stops, as a contact that opens does.
+    /// Off: stops the drive. So a broken wire stops it, as a contact that opens does.
     pub const RUN: u8 = 0x40;
     /// Off: nothing begins, and what these inputs have begun is disabled.
     pub const ENABLE: u8 = 0x80;

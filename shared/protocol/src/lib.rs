@@ -1,8 +1,9 @@
 //! What firmware and PC say to each other over a stream of bytes (serial port, pty, TCP).
 //!
-//! The PC sends [`Request`]s, the firmware answers each with one [`Reply`] of the same sequence
-//! number, in the order they came; one that changes something and comes again behind later ones gets none. Several may be on their way. Unasked come the rows of a stream alone,
-//! as replies under the number of the request that began it, and no more of them than were granted.
+//! The PC sends [`Request`]s. The firmware answers each with one [`Reply`] of the same sequence number, in the order
+//! in which they came. Only a repeated request that changes something and arrives behind later ones gets no reply.
+//! Several requests may be on their way. The rows of a stream alone come unasked: as replies under the number of the
+//! request that began it, and no more of them than were granted.
 //!
 //! # A frame
 //!

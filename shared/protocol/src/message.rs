@@ -21,10 +21,11 @@ pub trait Message: Serialize {}
 impl Message for Request<'_> {}
 impl Message for Reply<'_> {}
 
-/// The message is not one that is known here, though it came whole: of a later firmware or program, most likely.
+/// A message that came whole but is not known here: most likely of a later firmware or program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MessageError {
-    /// The number it came under, to be answered with [`RequestRefusal::Unknown`]; None: it is not even of the other side.
+    /// Its sequence number, to be answered with [`RequestRefusal::Unknown`]; None: it is not even a message of the
+    /// other side.
     pub sequence: Option<u16>,
 }
 
@@ -39,7 +40,7 @@ pub fn encode<'out>(message: &impl Message, out: &'out mut [u8]) -> Option<&'out
     frame::encode(postcard::to_slice(message, &mut buffer).ok()?, out)
 }
 
-/// The same of a reply: one copy of it, which an image may have for size.
+/// [`encode`] for replies, not generic: an image that calls it holds one copy and is smaller.
 #[must_use]
 #[inline(never)]
 pub fn encode_reply<'out>(reply: &Reply<'_>, out: &'out mut [u8]) -> Option<&'out [u8]> {
@@ -49,8 +50,8 @@ pub fn encode_reply<'out>(reply: &Reply<'_>, out: &'out mut [u8]) -> Option<&'ou
 /// The request in a message. What follows a known body is skipped.
 ///
 /// # Errors
-/// For a message that is no request known here. One whose session is none that a host may have is not a request at all: a reply
-/// that the line brings back, for instance.
+/// For a message that is no request known here. A message whose session no host may have is not a request at all: a
+/// reply that the line echoes, for instance.
 #[inline(never)] // One copy of it, which an image may have for size.
 pub fn decode_request(message: &[u8]) -> Result<Request<'_>, MessageError> {
     let (sequence, session, boot, body) = head_of_request(message).ok_or(MessageError { sequence: None })?;

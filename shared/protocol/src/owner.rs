@@ -21,7 +21,7 @@ pub struct Owner<'a> {
     pub presence: Presence,
     /// Its [session](crate::session); [`NOBODY`](crate::session::NOBODY): there is none.
     pub session: u32,
-    /// For how long nothing has been heard of it, milliseconds; 0 where the board has no clock for that.
+    /// How long it has been silent, milliseconds; 0 where the board has no clock for that.
     pub silent_ms: u32,
     /// What it calls itself, up to [`HOST_BYTES`](crate::session::HOST_BYTES).
     pub host: &'a str,

@@ -4,13 +4,13 @@
 //! |---|---|
 //! | 0 step | |
 //! | 1 ramp | the three lengths over which a step is averaged, samples |
-//! | 2 wave | amplitude (counts, signed), samples, turns from the first sample to the second (2^-64, low word first), what the turns of a sample exceed those before by (the same, signed) |
+//! | 2 wave | amplitude (counts, signed), samples, turns from the first sample to the second (2^-64, low word first), their increase from sample to sample (the same, signed) |
 //! | 3 noise | amplitude (counts, signed), samples, samples that a sign lasts, taps of the shift register |
 
 /// The most numbers of a profile.
 pub const NUMBERS: usize = 6;
 
-/// The kind of a move record that there is not.
+/// The kind that stands for no move: the place of a move record is empty.
 pub const NO_MOVE: u8 = 255;
 
 /// A move; which numbers there are depends on its kind, the others are 0.

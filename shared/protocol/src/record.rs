@@ -46,7 +46,7 @@ impl RecordedSample {
         bytes
     }
 
-    /// The sample that was stored so. Any bytes are some sample.
+    /// The sample in these bytes. Any bytes are some sample.
     #[must_use]
     pub fn from_bytes(bytes: &[u8; Self::BYTES]) -> RecordedSample {
         let [n0, n1, n2, n3, a0, a1, b0, b1, c0, c1, e0, e1, s0, s1] = *bytes;

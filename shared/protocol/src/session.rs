@@ -25,6 +25,6 @@ pub const HOST_BYTES: usize = 32;
 
 /// Whether a host may have this session.
 #[must_use]
-pub fn is_of_host(session: u32) -> bool {
+pub(crate) fn is_of_host(session: u32) -> bool {
     (FIRST..INPUTS).contains(&session)
 }

@@ -1,10 +1,10 @@
-//! What parameters must hold together: a value that is in its own range can still leave a check without effect.
+//! Conditions between parameters: a value in its own range can still leave a check without effect.
 //!
 //! | parameters | must hold, or else |
 //! |---|---|
-//! | `delay_us`, `period_us` | `delay < period`: a command is driven before the next sample |
+//! | `delay_us`, `period_us` | `delay < period`: a command would be driven after the next sample |
 //! | `late_sample_us`, `period_us` | `late < period`: a sample that is missing is late by one period, and would never trip |
-//! | `delay_us`, `late_output_us`, `period_us` | `delay + late < period`: an output is missed behind the next sample |
+//! | `delay_us`, `late_output_us`, `period_us` | `delay + late < period`: a late output would be noticed only after the next sample |
 //! | `sensor_samples`, `period_us` | `samples * period <= 1 s`: an open sensor would be watched too late |
 //! | `sensor_high_raw`, `sensor_bits` | within the converter, or off: no reading would reach it |
 //! | `encoder_step_counts`, position limits | less than they are apart: no step within them would trip |
@@ -42,7 +42,7 @@ fn rules(parameters: &Parameters) -> [(bool, ConfigError); 14] {
     let none_is_high = get(id::SENSOR_HIGH_RAW) == i64::from(NONE_IS_HIGH);
     let is_cascade = Law::of(parameters.scalar(id::LAW)) == Law::Cascade && get(id::OPEN_LOOP) == 0;
     let has_model = get(id::CASCADE_STROKE) > 0 && get(id::PRESSURE_SENSORS) != 0;
-    // It leaves an error that friction holds; that is none of the valve's null.
+    // The law cascade leaves an error that friction holds, which says nothing of the valve's null.
     let learns_null = get(id::LEARNING_GAIN) != 0;
     let range = get(id::POSITION_MAX_COUNTS) - get(id::POSITION_MIN_COUNTS);
     [

@@ -69,7 +69,7 @@ pub(super) fn weighed(config: &LawConfig, gain: u16, measured: Measured, error: 
         - i64::from(config.acceleration_gain) * motion.acceleration
 }
 
-/// The demand of a sum: that of the null alone without one.
+/// The demand of a sum; without a sum, that of the null alone.
 #[inline(always)]
 pub(super) fn from_null(config: &LawConfig, sum: Option<i64>, measured: Measured) -> i32 {
     let null = measured.null(config);

@@ -35,7 +35,7 @@ pub struct Settings {
     pub gain: u16,
     /// Ki, 256ths a sample.
     pub integral_gain: u16,
-    /// Larger errors are not summed, counts; 0: all are.
+    /// Errors above this are not integrated, counts; 0: all are.
     pub integral_band: u32,
 }
 
@@ -63,7 +63,7 @@ impl Pid {
         self.integral
     }
 
-    /// I with another error.
+    /// I after a sample with this error.
     fn integrated(&self, config: &LawConfig, settings: &Settings, error: i32) -> i64 {
         // n is saturated to 32 bits: more could not be commanded, and would only have to unwind.
         let end = ONE * (i64::from(config.scale.get()) * i64::from(config.largest)).min(i64::from(i32::MAX));

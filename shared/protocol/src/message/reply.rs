@@ -32,7 +32,7 @@ pub enum ReplyBody<'a> {
         /// Samples the record has room for.
         record_capacity: u32,
     },
-    /// How the drive is.
+    /// The state of the drive.
     Status(Status),
     /// Parameters of consecutive ids.
     Config {
@@ -56,7 +56,7 @@ pub enum ReplyBody<'a> {
     },
     /// The request was not carried out, and nothing was changed.
     Refused(#[serde(borrow)] RequestRefusal<'a>),
-    /// How the moves stand.
+    /// The progress of the moves.
     Motion(Motion),
     /// Where the parameters come from.
     ConfigState(ConfigState),
@@ -69,15 +69,15 @@ pub enum ReplyBody<'a> {
         /// [`Event::BYTES`](crate::Event::BYTES) each, newest first.
         events: &'a [u8],
     },
-    /// How even the samples are, by the board's clock, since its clock was last restarted.
+    /// Jitter of the samples by the board's clock, since that was last restarted.
     Timing {
         /// From a sample to the next.
         interval: Spread,
         /// From a sample to its output.
         latency: Spread,
     },
-    /// Rows of the stream. Asked for again: those from the first one on that are still held, or
-    /// none.
+    /// Rows of the stream. In answer to [`StreamRead`](super::RequestBody::StreamRead): those from the first
+    /// requested one on that are still held, or none.
     Rows {
         /// Number of the first one; a row before it that has not come is lost.
         first: u32,
@@ -88,14 +88,14 @@ pub enum ReplyBody<'a> {
     Owner(#[serde(borrow)] Owner<'a>),
     /// Which boot of the drive this is.
     Boot {
-        /// Another one for each boot; [`NO_BOOT`](crate::session::NO_BOOT): the board cannot tell its boots apart.
+        /// Different for each boot; [`NO_BOOT`](crate::session::NO_BOOT): the board cannot tell its boots apart.
         number: u32,
     },
     /// The test, and moves of it.
     Test {
         /// Number of its last sample.
         last_sample: u32,
-        /// Its moves come again every so many samples; 0: they come once.
+        /// Its moves repeat every this many samples; 0: they come once.
         round: u32,
         /// Moves that it has.
         total: u8,

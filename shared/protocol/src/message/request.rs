@@ -73,7 +73,7 @@ pub enum RequestBody<'a> {
     },
     /// Homes the axis: moves it slowly to its stop or switch.
     Home,
-    /// How do the moves stand? Answered by [`ReplyBody::Motion`](super::ReplyBody::Motion).
+    /// The progress of the moves. Answered by [`ReplyBody::Motion`](super::ReplyBody::Motion).
     Motion,
     /// Stores the parameters for the next reset.
     ConfigSave,
@@ -87,18 +87,18 @@ pub enum RequestBody<'a> {
         /// How many, up to [`MAX_EVENTS`](crate::MAX_EVENTS).
         count: u8,
     },
-    /// How even are the samples? Answered by [`ReplyBody::Timing`](super::ReplyBody::Timing).
+    /// The jitter of the samples. Answered by [`ReplyBody::Timing`](super::ReplyBody::Timing).
     Timing,
     /// Begins a stream of a run's samples, its rows numbered from 0 on, and ends the one before.
     /// The rows come unasked, as [`ReplyBody::Rows`](super::ReplyBody::Rows) under the number of this
     /// request, as far as they are granted.
     StreamBegin {
-        /// Every how manyth sample becomes a row; 0: none.
+        /// Every nth sample becomes a row; 0: none does.
         every: u16,
         /// How many rows come at once, up to [`MAX_ROWS`](crate::MAX_ROWS).
         batch: u8,
     },
-    /// The rows before this one may come unasked: a host that has gone is not talked to for long.
+    /// Permits the rows before this one to come unasked, so that a host that has gone is soon sent no more.
     StreamGrant {
         /// Number of the first row that may not.
         until: u32,
@@ -115,7 +115,7 @@ pub enum RequestBody<'a> {
         /// What the host calls itself, up to [`HOST_BYTES`](crate::session::HOST_BYTES).
         host: &'a str,
     },
-    /// The owner goes and leaves the drive as it is: nobody need wait until its silence is noticed.
+    /// The owner leaves, and the drive stays as it is: nobody need wait until its silence is noticed.
     Leave,
     /// Who commands the drive? Answered by [`ReplyBody::Owner`](super::ReplyBody::Owner).
     Owner,

@@ -65,8 +65,8 @@ pub mod code {
     pub const OWNED: u8 = 128;
     /// The rig asks for a [token](crate::RequestBody::Token) before anything else.
     pub const TOKEN: u8 = 129;
-    /// Since the owner has armed the drive or taken it over, it was silent for too long to move it: it does so again
-    /// before.
+    /// The owner was silent for too long after it had armed the drive or taken it over: it must do so again before it
+    /// moves the drive.
     pub const HOST_WAS_SILENT: u8 = 130;
     /// The inputs of this board are pins.
     pub const INPUTS_ARE_PINS: u8 = 131;

@@ -64,7 +64,7 @@ pub struct Status {
 /// Bins of a [`Spread`].
 pub const HISTOGRAM_BINS: usize = 12;
 
-/// How times are spread about what they should be.
+/// The distribution of measured times about their nominal value.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Spread {
     /// How many were taken.
@@ -73,12 +73,12 @@ pub struct Spread {
     pub least_us: u32,
     /// The longest, us.
     pub most_us: u32,
-    /// Bin b counts those that are off by 2^(b-1) to 2^b - 1 us; bin 0 those that are not, the last one
-    /// all larger ones.
+    /// Bin 0 counts the times that are exact, bin b those that are off by 2^(b-1) to 2^b - 1 us, the last bin all
+    /// that are off by more.
     pub bins: [u32; HISTOGRAM_BINS],
 }
 
-/// How the moves of the run stand.
+/// The progress of the moves of the run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Motion {
     /// The move in force: 0 none, 1 on its way, 2 arrived, 3 not reached; 4 the axis rests outside its tolerance, whatever it was.
@@ -97,7 +97,7 @@ pub struct ConfigState {
     /// 0: never saved, 1: as stored, 2: stored by firmware with other parameters and taken over, 3: both stored sets
     /// are damaged.
     pub source: u8,
-    /// How often they were saved.
+    /// Number of saves so far.
     pub saves: u32,
     /// CRC-32 of the parameters in force.
     pub hash: u32,
@@ -117,7 +117,7 @@ pub struct RecordInfo<'a> {
     pub samples: u32,
     /// k of the oldest one; negative before the start.
     pub first_index: i32,
-    /// Every how manyth sample was stored.
+    /// Every nth sample was stored; 1: all.
     pub decimation: u16,
     /// Stored samples asked for before k = 0.
     pub pre_trigger: u16,
