@@ -80,7 +80,7 @@ impl ContinuousLaw {
     }
 
     /// A new target, in counts.
-    pub fn set_target(&mut self, target: i32, position: f64) {
+    pub(crate) fn set_target(&mut self, target: i32, position: f64) {
         self.waits = false;
         self.target = f64::from(target);
         self.index = (self.spans(position).floor() as usize).min(self.last_index());
@@ -130,7 +130,7 @@ impl ContinuousLaw {
 
     /// The rate of the demand, counts/s, in the present entry of the profile.
     #[must_use]
-    pub fn demand_rate(&self, velocity: f64, acceleration: f64, jerk: f64) -> f64 {
+    pub(crate) fn demand_rate(&self, velocity: f64, acceleration: f64, jerk: f64) -> f64 {
         if self.is_open() {
             return 0.0;
         }

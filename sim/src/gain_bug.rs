@@ -109,7 +109,7 @@ impl GainBug {
     /// The faulty law's result for a sample: the same with another command, which is null where the
     /// supervisor lets none through.
     #[must_use]
-    pub fn corrupt(&self, mode: Mode, seen: Observation) -> Observation {
+    pub(crate) fn corrupt(&self, mode: Mode, seen: Observation) -> Observation {
         let command = match mode {
             Mode::Running | Mode::Done => self.limited(self.demand(&seen)),
             _ => 0,

@@ -216,20 +216,20 @@ impl Network {
 
     /// The network with C(54), a factor from 0 to 1 on every upstream Mach number (6.54).
     #[must_use]
-    pub fn with_turbulence(self, coefficient: f64) -> Network {
+    pub(crate) fn with_turbulence(self, coefficient: f64) -> Network {
         Network { turbulence_squared: coefficient * coefficient, ..self }
     }
 
     /// The network with this allowed error of a flow, kg/s.
     #[must_use]
-    pub fn to_within(self, flow_error: f64) -> Network {
+    pub(crate) fn with_flow_error(self, flow_error: f64) -> Network {
         Network { flow_error, short_error: flow_error, ..self }
     }
 
     /// The network with this allowed error in steps of `short_step` seconds. Longer steps get a proportionally
     /// smaller error, since the error in mass counts.
     #[must_use]
-    pub fn by_steps_of(self, short_step: f64) -> Network {
+    pub(crate) fn by_steps_of(self, short_step: f64) -> Network {
         Network { short_step, ..self }
     }
 
@@ -273,7 +273,7 @@ impl Network {
     }
 
     /// Sets the Exner pressure of the supply.
-    pub fn set_supply(&mut self, exner: f64) {
+    pub(crate) fn set_supply(&mut self, exner: f64) {
         self.supply.exner = exner;
     }
 

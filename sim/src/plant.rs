@@ -106,7 +106,7 @@ impl Plant {
     #[must_use]
     pub fn new(rig: &Rig, accuracy: Accuracy, seed: u64) -> Plant {
         let (mut parts, x) = build::drive(rig);
-        parts.network = parts.network.to_within(flow_error(accuracy.tolerance, parts.lag.is_some()));
+        parts.network = parts.network.with_flow_error(flow_error(accuracy.tolerance, parts.lag.is_some()));
         if accuracy.tolerance < LOOSE {
             parts.network = parts.network.by_steps_of(SHORT_STEP);
         }
@@ -236,13 +236,13 @@ impl Plant {
     }
 
     /// Changes the target of a continuous controller at the present sample, counts.
-    pub fn set_target(&mut self, target: i32) {
+    pub(crate) fn set_target(&mut self, target: i32) {
         let at = self.sample_time;
         self.integrator.interrupt(&mut self.assembly, at, |assembly, x| assembly.set_target(at, x, target));
     }
 
     /// The command of a continuous controller at the present sample, counts.
-    pub fn continuous_command(&mut self) -> Option<f64> {
+    pub(crate) fn continuous_command(&mut self) -> Option<f64> {
         self.assembly.parts.continuous.as_ref()?;
         let x = self.integrator.state(self.sample_time);
         self.assembly.follow(x)

@@ -120,7 +120,7 @@ impl Configuration {
     /// records as well, and nobody has asked for it. It waits for the next save.
     #[cold]
     #[inline(never)]
-    pub fn replace_records(&mut self, records: MoveRecords) {
+    pub(crate) fn replace_records(&mut self, records: MoveRecords) {
         let changed = records != self.records;
         self.records_changed |= changed;
         self.learned &= !changed;
@@ -128,7 +128,7 @@ impl Configuration {
     }
 
     /// Puts the learned null offset in force: these parameters otherwise equal those in force. If the earlier ones
-    /// were stored, these will be, too ([`Configuration::save_learned`]).
+    /// were stored, these will be, too (`save_learned`).
     pub fn learn(&mut self, learned: &Prepared) {
         self.learned |= self.is_saved();
         // A copy of the whole would keep the control interrupt waiting.
@@ -148,7 +148,7 @@ impl Configuration {
     /// As for [`Configuration::save`].
     #[cold]
     #[inline(never)]
-    pub fn save_learned(&mut self, store: &mut impl Store) -> Result<(), NotStored> {
+    pub(crate) fn save_learned(&mut self, store: &mut impl Store) -> Result<(), NotStored> {
         let moved = self.config().law.null_offset.abs_diff(self.saved_null);
         let worth = self.config().limits.largest_command.unsigned_abs() / 512;
         if !self.learned || moved < worth.max(1) {

@@ -27,7 +27,7 @@ const WORDS: usize = 9;
 const FIRST_ID: u16 = 0x8000;
 
 /// The most pairs that a table takes.
-pub const MAX_PAIRS: usize = PLACES * WORDS;
+pub(crate) const MAX_PAIRS: usize = PLACES * WORDS;
 
 /// The contents of an empty place.
 const NOTHING: ProfiledMove = ProfiledMove { at_sample: 0, target: 0, kind: NO_MOVE, numbers: [0; 6] };

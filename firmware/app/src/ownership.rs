@@ -25,7 +25,7 @@ use pneudrive_protocol::{Presence, RequestBody, session};
 use crate::name::cut;
 
 /// The name of a host.
-pub type HostName = heapless::String<{ session::HOST_BYTES }>;
+pub(crate) type HostName = heapless::String<{ session::HOST_BYTES }>;
 
 /// A request's need of its host.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -93,7 +93,7 @@ pub struct Requester<'a> {
 
 /// The session that has armed the drive last, and how long ago it was heard. By default [nobody's](session::NOBODY).
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Ownership {
+pub(crate) struct Ownership {
     session: u32,
     host: HostName,
     /// None on a board that does not judge silence.

@@ -95,7 +95,7 @@ impl Recorder {
     }
 
     /// A sample from before the start.
-    pub fn before_start(&mut self, seen: &Observation) {
+    pub(crate) fn before_start(&mut self, seen: &Observation) {
         if self.started || self.ring == 0 {
             return;
         }

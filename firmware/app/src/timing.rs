@@ -33,7 +33,7 @@ impl Clock {
 
     /// Whether the output of the last sample comes too late. A sample from before a restart of the clock has no time.
     #[inline(always)]
-    pub fn output_is_late(&self, now_us: u32, timing: &Timing) -> bool {
+    pub(crate) fn output_is_late(&self, now_us: u32, timing: &Timing) -> bool {
         self.runs && now_us.wrapping_sub(self.last_us) > timing.latest_output_us
     }
 
@@ -58,7 +58,7 @@ impl Clock {
 
     /// Mean interval of the samples, ns; none before there are two.
     #[must_use]
-    pub fn mean_interval_ns(&self) -> Option<u32> {
+    pub(crate) fn mean_interval_ns(&self) -> Option<u32> {
         let Histogram { sum_us, .. } = self.intervals;
         let mean = sum_us.saturating_mul(1000).checked_div(u64::from(self.intervals.count()))?;
         u32::try_from(mean).ok()

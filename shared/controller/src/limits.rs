@@ -64,7 +64,7 @@ pub struct Limits {
 pub const NULL_SAMPLES: u32 = 64;
 
 /// The limit of creep at null, as a multiple of the limit within [`NULL_SAMPLES`].
-pub const NULL_DRIFT: u32 = 4;
+pub(crate) const NULL_DRIFT: u32 = 4;
 
 /// After a motion the axis may coast for this many samples before motion at null is checked: 1 s at 1.3 ms.
 const COASTING_SAMPLES: i32 = 768;

@@ -39,7 +39,7 @@ pub fn first_crossing<const G: usize>(
 const CLEAR: f64 = 2.0;
 
 /// Whether all guards stay clear of zero, by their values at the beginning, in the middle and at the end.
-pub fn stay_clear(begin: &[f64], middle: &[f64], end: &[f64]) -> bool {
+pub(crate) fn stay_clear(begin: &[f64], middle: &[f64], end: &[f64]) -> bool {
     begin.iter().zip(middle).zip(end).all(|((&one, &two), &three)| {
         let smaller = |a: f64, b: f64| if a < b { a } else { b };
         let larger = |a: f64, b: f64| if a > b { a } else { b };
@@ -49,7 +49,7 @@ pub fn stay_clear(begin: &[f64], middle: &[f64], end: &[f64]) -> bool {
 }
 
 /// Whether one of the first `n_guards` guards may become negative at all.
-pub fn any_may_cross<const G: usize>(n_guards: usize, begin: &[f64; G], probed: &Probed<G>) -> bool {
+pub(crate) fn any_may_cross<const G: usize>(n_guards: usize, begin: &[f64; G], probed: &Probed<G>) -> bool {
     (0..n_guards.min(G)).any(|guard| may_cross(&values_of(guard, begin, probed)))
 }
 

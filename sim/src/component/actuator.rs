@@ -162,7 +162,7 @@ impl Actuator {
 
     /// F_a', N/s, for the rates of the chamber pressures in Pa/s.
     #[must_use]
-    pub fn force_rate(&self, pressure_rate_1: f64, pressure_rate_2: f64) -> f64 {
+    pub(crate) fn force_rate(&self, pressure_rate_1: f64, pressure_rate_2: f64) -> f64 {
         pressure_rate_1 * self.area_1 - pressure_rate_2 * self.area_2
     }
 
@@ -189,14 +189,14 @@ impl Actuator {
     /// The largest force in the direction of `sign` (1: extension, -1: retraction), N: one chamber under `supply` Pa, the other
     /// open to the surroundings.
     #[must_use]
-    pub fn largest_force(&self, supply: f64, sign: f64) -> f64 {
+    pub(crate) fn largest_force(&self, supply: f64, sign: f64) -> f64 {
         let outside = self.ambient_pressure;
         if sign < 0.0 { -self.force(outside, supply) } else { self.force(supply, outside) }
     }
 
     /// P_1 at which the cylinder delivers `force` N against `pressure_2`.
     #[must_use]
-    pub fn balancing_pressure_1(&self, pressure_2: f64, force: f64) -> f64 {
+    pub(crate) fn balancing_pressure_1(&self, pressure_2: f64, force: f64) -> f64 {
         (force + pressure_2 * self.area_2 + self.ambient_pressure * self.rod_area) / self.area_1
     }
 }

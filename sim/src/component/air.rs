@@ -58,7 +58,7 @@ pub(crate) struct ChamberAir<N = f64> {
 impl ChamberAir {
     /// The mass (kg) and Exner pressure of air at `pressure` Pa and `temperature` K in a volume.
     #[must_use]
-    pub fn state_of(gas: &Gas, pressure: f64, temperature: f64, volume: f64) -> [f64; 2] {
+    pub(crate) fn state_of(gas: &Gas, pressure: f64, temperature: f64, volume: f64) -> [f64; 2] {
         [pressure * volume / (gas.gas_constant * temperature), gas.exner(pressure)]
     }
 }

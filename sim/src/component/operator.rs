@@ -184,7 +184,7 @@ impl Operator {
     /// Whether position and guards depend on the time alone until the next event. Then the integrator's states of the
     /// spool rest: [`Operator::derivative`] is zero.
     #[must_use]
-    pub fn has_closed_form(&self) -> bool {
+    pub(crate) fn has_closed_form(&self) -> bool {
         match self {
             Operator::Solenoid(solenoid) => solenoid.has_closed_form(),
             Operator::Empirical(empirical) => empirical.flies(),
@@ -265,7 +265,7 @@ impl Operator {
     }
 
     /// The rate of the demand that it follows, counts/s.
-    pub fn follow_rate(&mut self, rate: f64) {
+    pub(crate) fn follow_rate(&mut self, rate: f64) {
         if let Operator::Solenoid(solenoid) = self {
             solenoid.follow_rate(rate);
         }
@@ -273,13 +273,13 @@ impl Operator {
 
     /// Whether it depends on the history of the demand, and so must be notified of its jumps.
     #[must_use]
-    pub fn remembers_demand(&self) -> bool {
+    pub(crate) fn remembers_demand(&self) -> bool {
         matches!(self, Operator::Solenoid(solenoid) if solenoid.remembers_command())
     }
 
     /// Whether its guards ask for the rate of the demand.
     #[must_use]
-    pub fn needs_rate(&self) -> bool {
+    pub(crate) fn needs_rate(&self) -> bool {
         matches!(self, Operator::Solenoid(solenoid) if solenoid.needs_rate())
     }
 

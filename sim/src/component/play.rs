@@ -35,7 +35,7 @@ impl Motion {
 
 /// The state of the output.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Branch {
+pub(crate) enum Branch {
     /// Stays at this value.
     Held(f64),
     /// Follows a rising input.
@@ -53,7 +53,7 @@ pub(crate) const GUARDS: usize = 2;
 
 /// The play operator.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Play {
+pub(crate) struct Play {
     half_width: f64,
     branch: Branch,
 }

@@ -93,7 +93,7 @@ impl Stops {
 
     /// The rate of the force, N/s; just after a contact begins, the rate in contact.
     #[must_use]
-    pub fn force_rate(&self, side: Side, position: f64, velocity: f64, acceleration: f64) -> f64 {
+    pub(crate) fn force_rate(&self, side: Side, position: f64, velocity: f64, acceleration: f64) -> f64 {
         match side {
             Side::Free => 0.0,
             Side::Low => self.push_rate(self.low - position, -velocity, -acceleration),

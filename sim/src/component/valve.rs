@@ -82,7 +82,7 @@ impl Valve {
 
 /// X_max, m.
 #[must_use]
-pub fn spool_travel(rig: &Rig) -> f64 {
+pub(crate) fn spool_travel(rig: &Rig) -> f64 {
     rig.get(&keys::SPOOL_TRAVEL_MM) * 1e-3
 }
 

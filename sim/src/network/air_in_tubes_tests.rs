@@ -41,7 +41,7 @@ fn a_choked_flow_into_a_chamber_does_not_depend_on_the_air_in_the_chamber() {
     let (gas, template) = network_with(false, false);
     for (name, tube) in tubes(&gas) {
         let flow = |pressure: f64, temperature: f64| {
-            let mut network = Network { cylinder_tube: tube, ..template.clone() }.to_within(1e-15);
+            let mut network = Network { cylinder_tube: tube, ..template.clone() }.with_flow_error(1e-15);
             let chambers = [station(&gas, pressure, temperature), station(&gas, 300e3, 294.0)];
             settled(&mut network, &thesis_valve(), 1e-3, &chambers).0[0].port_flow()
         };
@@ -60,7 +60,7 @@ fn air_that_leaves_a_chamber_has_its_temperature_all_the_way() {
     let (gas, template) = network_with(false, false);
     for (name, tube) in tubes(&gas) {
         let flow = |temperature: f64| {
-            let mut network = Network { cylinder_tube: tube, ..template.clone() }.to_within(1e-15);
+            let mut network = Network { cylinder_tube: tube, ..template.clone() }.with_flow_error(1e-15);
             let chambers = [station(&gas, 580e3, temperature), station(&gas, 300e3, 294.0)];
             settled(&mut network, &Valve { spool_diameter: 10e-3, ..thesis_valve() }, -1e-3, &chambers).0[0]
                 .port_flow()
@@ -81,7 +81,8 @@ fn newton_and_brackets_agree_whatever_the_temperatures() {
                     for (p1, p2) in [(110e3, 580e3), (325e3, 400e3), (588e3, 102e3), (650e3, 150e3)] {
                         let valve = Valve { has_node, ..thesis_valve() };
                         let chambers = [station(&gas, p1, 250.0), station(&gas, p2, 350.0)];
-                        let mut newton = Network { cylinder_tube: tube, ..template.clone() }.to_within(1e-15);
+                        let mut newton =
+                            Network { cylinder_tube: tube, ..template.clone() }.with_flow_error(1e-15);
                         let (_, ports) = settled(&mut newton, &valve, spool, &chambers);
                         let boundary = BoundaryConditions::new(
                             valve.conductances(&gas, spool),
@@ -132,7 +133,8 @@ fn air_that_goes_back_to_the_supply_is_as_warm_as_the_nodes_that_give_it() {
     for (name, tube) in tubes(&gas) {
         let flow = |supply_k: f64, chamber_k: f64| {
             let supply = station(&gas, 120e3, supply_k);
-            let mut network = Network { supply_tube: tube, supply, ..template.clone() }.to_within(1e-15);
+            let mut network =
+                Network { supply_tube: tube, supply, ..template.clone() }.with_flow_error(1e-15);
             let chambers = [station(&gas, 580e3, chamber_k), station(&gas, 570e3, chamber_k)];
             let ([one, two], _) = settled(&mut network, &thesis_valve(), 0.0, &chambers);
             one.supply_flow + two.supply_flow

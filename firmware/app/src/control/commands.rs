@@ -31,7 +31,7 @@ impl<R: BorrowMut<Recorder>> Control<R> {
     ///
     /// # Errors
     /// As for [`Control::arm`].
-    pub fn arm_with(
+    pub(crate) fn arm_with(
         &mut self,
         learned: Option<&Prepared>,
         by: &Requester<'_>,
@@ -64,7 +64,7 @@ impl<R: BorrowMut<Recorder>> Control<R> {
     /// The parameters with the learned null offset of the last run, so that the next run starts from there. None if
     /// nothing was learned, and while a run is on: a record is read with the parameters that it was taken with.
     #[must_use]
-    pub fn learned_parameters(&self) -> Option<Parameters> {
+    pub(crate) fn learned_parameters(&self) -> Option<Parameters> {
         let learned = self.state.learned_null_offset();
         if learned == 0 || matches!(self.state.supervisor.mode(), Mode::Running | Mode::Homing) {
             return None;

@@ -49,12 +49,12 @@ impl<R: BorrowMut<Recorder>> Control<R> {
 
     /// Whether the owner of an enabled drive was silent for too long since it has armed it or taken it over.
     #[must_use]
-    pub fn owner_was_silent(&self) -> bool {
+    pub(crate) fn owner_was_silent(&self) -> bool {
         self.state.supervisor.drives() && self.ownership.has_lapsed()
     }
 
     /// The host of this session has gone; a drive that it has armed stays as it is.
-    pub fn host_leaves(&mut self, session: u32) {
+    pub(crate) fn host_leaves(&mut self, session: u32) {
         if self.state.supervisor.drives() {
             self.ownership.leave(session);
         }

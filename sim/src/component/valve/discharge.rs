@@ -43,7 +43,7 @@ pub fn perry(ratio: f64) -> f64 {
 
 /// dC_d/dr of [`perry`]; 0 outside of 0..1, where C_d is held.
 #[must_use]
-pub fn perry_slope(ratio: f64) -> f64 {
+pub(crate) fn perry_slope(ratio: f64) -> f64 {
     if !(0.0..=1.0).contains(&ratio) {
         return 0.0;
     }
