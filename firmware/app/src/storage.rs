@@ -45,15 +45,6 @@ pub enum Outcome {
     UnknownFormat(u16),
 }
 
-impl Outcome {
-    /// Whether the drive must not run on the parameters: a configuration is lost, and the defaults stand
-    /// in for it.
-    #[must_use]
-    pub fn must_trip(&self) -> bool {
-        matches!(self, Outcome::Damaged | Outcome::UnknownFormat(_))
-    }
-}
-
 /// How a configuration was loaded.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Report {
