@@ -11,13 +11,12 @@
 //! | [`component`] | the physical parts, one file each: equations on top, then keys, checks and construction |
 //! | [`network`] | the flow network of valve, tubes and chambers |
 //! | `number` | one number, or two at once |
-//! | `build` | components from a rig's keys |
 //! | `assembly` | the parts put together as one event-driven system |
 //! | [`plant`] | the controller's view: a command in, a sample out |
 //! | [`continuous`] | the controller in real numbers, for comparison |
 //! | [`gain_bug`] | the historical bug of the gain routine, for repetition |
 //! | [`follow`](mod@follow) | the plant under commands that were recorded |
-//! | [`known`] | what the law that positions by a model knows, in units of a person |
+//! | [`known`] | what the law that positions by a model knows, in engineering units |
 //! | [`convergence`] | whether a run has converged |
 //! | [`run`](mod@run), [`trace`] | the real controller on the plant, and the transient |
 //!

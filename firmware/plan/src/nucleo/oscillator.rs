@@ -1,6 +1,6 @@
 //! What is shown while the board's clock is missing. The processor runs on its internal one then, of 16 MHz.
 
-/// Instructions of a millisecond on the internal clock.
+/// Cycles of a millisecond on the internal clock.
 pub const CYCLES_PER_MS: u32 = 16_000;
 
 /// A clock that comes within this time is on its way, ms: that of the Nucleo comes from another processor, which starts at
@@ -10,7 +10,7 @@ const PATIENCE_MS: u32 = 500;
 /// Three flashes of a fifth of a second, then dark for as long.
 const FLASH_MS: u32 = 200;
 
-/// Whether the lamp is lit after the clock has been missing for so long.
+/// Whether the lamp is lit after the clock has been missing for this long, ms.
 #[must_use]
 pub fn is_lit(missing_ms: u32) -> bool {
     let step = missing_ms.saturating_sub(PATIENCE_MS) / FLASH_MS % 12;
