@@ -63,7 +63,7 @@ pub enum Kind {
     },
     /// true or false.
     Switch,
-    /// One of some words; each with whether it is built.
+    /// One of some words; each with whether it is implemented.
     Choice(&'static [(&'static str, bool)]),
     /// A list of whole numbers within a range.
     Integers {
@@ -333,7 +333,7 @@ pub(crate) const fn optional_rows(
 
 /// Words that a key takes, as a Rust type.
 pub trait Choice: Copy + PartialEq + Sized + 'static {
-    /// Each word, with whether it is built; the first one is the default.
+    /// Each word, with whether it is implemented; the first one is the default.
     const WORDS: &'static [(&'static str, bool)];
 
     /// The meaning of a word; None for one that is not implemented.
@@ -343,7 +343,7 @@ pub trait Choice: Copy + PartialEq + Sized + 'static {
     fn word(self) -> &'static str;
 }
 
-/// Declares a type for the words of a key, and the words that are not built.
+/// Declares a type for the words of a key, and the words that are not implemented.
 macro_rules! words {
     (
         $(#[$about:meta])*

@@ -1,4 +1,4 @@
-//! What the law "cascade" knows of its drive, in the units of a person: of a run, or of a record that is replayed.
+//! What the law "cascade" knows of its drive, in engineering units: of a run, or of a record that is replayed.
 
 use pneudrive_controller::State;
 use pneudrive_controller::law::Running;

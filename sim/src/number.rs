@@ -34,7 +34,7 @@ pub(crate) trait Number:
     fn at_least(self, other: Self) -> Self::Truth;
     /// `yes` where `truth` holds, else `no`.
     fn choose(truth: Self::Truth, yes: Self, no: Self) -> Self;
-    /// Both, in this order where `truth` holds, else the other way about.
+    /// Both, in this order where `truth` holds, else exchanged.
     fn either(truth: Self::Truth, one: Self, other: Self) -> [Self; 2];
     /// With its sign where `truth` holds, else with the other one.
     fn signed(self, truth: Self::Truth) -> Self;

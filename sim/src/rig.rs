@@ -1,8 +1,8 @@
-//! A rig: the list of its keys, how they are explained, the values that follow from others, and what must hold between
-//! them.
+//! A rig: the list of its keys, how they are explained, the values that follow from others, and the constraints
+//! between them.
 //!
-//! The components list their keys. A [`Rig`] that exists is valid: every value is in its range, there is no division by
-//! zero, nothing unphysical, and nothing that is not built. It returns values in the unit of their key.
+//! The components list their keys. A [`Rig`] that exists is valid: every value is in its range, there is no division
+//! by zero, nothing unphysical, and nothing that is not implemented. It returns values in the unit of their key.
 //! [`crate::rigfile`] reads one from a file.
 
 mod change;

@@ -124,7 +124,7 @@ pub struct Runner<R = Row> {
 }
 
 impl<R: Record> Runner<R> {
-    /// For the test of a rig.
+    /// A runner for the test of a rig.
     #[must_use]
     pub fn new(rig: &Rig, accuracy: Accuracy) -> Runner<R> {
         Runner::in_memory_of(Run::new(), rig, accuracy, Recording::default())

@@ -86,7 +86,7 @@ impl Rig {
         sequence
     }
 
-    /// After how many samples the moves come again; 0: never.
+    /// Length of a round, after which the moves repeat, samples; 0: they come once.
     fn round_samples(&self) -> u32 {
         let round_us = self.get(&keys::REPEAT_EVERY_S).and_then(whole_microseconds);
         let samples = round_us.unwrap_or(0).div_ceil(u64::from(self.period_us().get()));

@@ -1,4 +1,4 @@
-//! The limits of an axis: when the supervisor trips, and the end positions that the user sets.
+//! The limits of an axis: when the supervisor trips, and the soft limits that the user sets.
 //!
 //! | check | fault |
 //! |---|---|

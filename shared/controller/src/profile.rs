@@ -201,7 +201,7 @@ impl Point {
         }
     }
 
-    /// Its motion so many samples later (2^-16) if its jerk stays; the place is not followed.
+    /// The motion this many samples later (2^-16) at the same jerk; the place is not carried on.
     pub(crate) fn later(self, samples: i32) -> Point {
         let changed = saturate((i64::from(self.j) * i64::from(samples)) >> 24);
         let mean = self.a.saturating_add(changed >> 1);

@@ -100,7 +100,7 @@ impl State {
         self.spool.at_null()
     }
 
-    /// How the moves of the run stand.
+    /// Which move of the run is in force, and how it stands.
     #[must_use]
     pub fn sequencer(&self) -> &Sequencer {
         &self.sequencer
@@ -113,7 +113,7 @@ impl State {
         self.null_offset.counts()
     }
 
-    /// What was learned has become part of the parameters.
+    /// Forgets the learned offset, which has become part of the parameters.
     pub fn forget_null_offset(&mut self) {
         self.null_offset = NullOffset::default();
     }
@@ -159,7 +159,7 @@ impl State {
     /// beforehand: counts in closed loop, valve counts in open loop.
     ///
     /// # Errors
-    /// When no run is on, or the setpoint of a closed loop lies beyond a software end position.
+    /// When no run is on, or the setpoint of a closed loop lies beyond a soft limit.
     pub fn redirect(&mut self, config: &Config, target: i32) -> Result<(), Refusal> {
         if self.supervisor.mode() != Mode::Running {
             return Err(Refusal::NoMoves);
@@ -213,7 +213,7 @@ impl State {
         }
     }
 
-    /// What error is left at rest says of the valve's null.
+    /// Learns the valve's null from the error that is left at rest.
     pub(crate) fn learn_null(&mut self, law: &LawConfig) {
         self.null_offset.learn(law.learning_gain, self.observation.error, law.scale);
     }

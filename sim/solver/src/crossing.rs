@@ -6,7 +6,7 @@ use crate::root::bracketed_root;
 /// back is seen.
 pub const PROBES: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
 
-/// To how much of a step a zero is located.
+/// Part of a step to which a zero is located.
 const RESOLUTION: f64 = 1e-13;
 
 /// How often the way to the first probe is halved in search of a guard that leaves zero and comes back.

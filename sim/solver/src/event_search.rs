@@ -7,7 +7,7 @@ use crate::progress::Progress;
 use crate::root::bracketed_root;
 use crate::system::{Event, System};
 
-/// To how much of a step the zero of an end guard is located: such a guard is dear.
+/// Part of a step to which the zero of an end guard is located: such a guard is expensive.
 const END_GUARD_RESOLUTION: f64 = 1e-10;
 
 /// A step's instants.

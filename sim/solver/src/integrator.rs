@@ -19,7 +19,7 @@ const MIN_STEP: f64 = 1e-13;
 /// Most events within [`MIN_STEP`] of each other.
 const MAX_EVENTS_AT_ONCE: u32 = 64;
 
-/// So many steps within [`STEP_COUNT_SPAN_S`] crawl: a system that nothing ails takes fewer.
+/// More steps than this within [`STEP_COUNT_SPAN_S`] crawl: a sound system takes fewer.
 const CRAWLING: u64 = 500;
 
 /// The time in which [`MAX_STEPS`] may be tried, s.
@@ -54,7 +54,8 @@ pub struct Integrator<
     pending: Option<Event>,
     /// The step size for the allowed error.
     step_size: f64,
-    /// The same where the system oscillates while now it does not, or the other way about.
+    /// The step size for the allowed error in stretches of the other kind: with an oscillation if there is none now,
+    /// else without.
     other_step_size: f64,
     oscillates: bool,
     short_steps: ShortSteps,
@@ -66,7 +67,8 @@ pub struct Integrator<
     step_count_span: (f64, u64),
     /// Whether there were more than [`CRAWLING`] since.
     crawls: bool,
-    /// How often so many steps have crawled, and the steps tried until the last time.
+    /// How many times more than [`CRAWLING`] steps were taken within the span, and the steps tried until the last
+    /// time.
     crawled: (u32, u64),
 }
 

@@ -21,8 +21,8 @@ const STAGES: usize = 6;
 const GAMMA: f64 = 0.25;
 /// The interpolant is of order 3, and so is the method beside it.
 const ERROR_ORDER: f64 = 4.0;
-/// By how much less states are moved, one after the other as long as steps crawl. Differences over more than a right-hand
-/// side bends within are wrong, and those over less lose digits.
+/// Factors on the distance by which states are moved, tried in turn as long as steps crawl. A difference wider than
+/// the bend of a right-hand side is wrong, and a narrower one loses digits.
 const FINER: [f64; 5] = [1.0, 1e-1, 1e-2, 1e-3, 1e-4];
 /// s: over which df/dt is taken at most.
 const MOMENT: f64 = 1e-6;

@@ -1,7 +1,7 @@
 //! The interface of a system to the integrator.
 
 /// A hybrid system of N states: smooth as long as its modes stay, with G guards that are cheap and E that are
-/// dear.
+/// expensive.
 ///
 /// A mode ends in one of two ways: at a time that is known beforehand ([`System::step_limit`]), at which a step is
 /// made to end, or where a guard becomes negative, which the integrator finds on the dense output of a step.
@@ -16,7 +16,7 @@ pub trait System<const N: usize, const G: usize, const E: usize> {
         [f64::INFINITY; G]
     }
 
-    /// The same for guards that are dear: they are evaluated at the end of a step only.
+    /// As [`System::guards`], for guards that are expensive: they are evaluated at the end of a step only.
     fn end_guards(&mut self, _t: f64, _x: &[f64; N]) -> [f64; E] {
         [f64::INFINITY; E]
     }

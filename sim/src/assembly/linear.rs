@@ -23,7 +23,7 @@ use crate::snapshot::{QUANTITIES, Quantity, Snapshot};
 /// Why there is no linear system.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum NotLinear {
-    /// The spool follows no law.
+    /// The spool does not follow the command continuously.
     #[error(
         "there is no linear model of a spool that is stuck, or of an on-off valve, which has nothing between its three places"
     )]
@@ -58,7 +58,7 @@ pub struct LinearModel {
     pub d: Vec<f64>,
 }
 
-/// A state: its name, its place, and how many of its unit are one of SI.
+/// A state: its name, its place, and its unit as a factor: how many of it make one of SI.
 #[derive(Clone, Copy)]
 struct State(&'static str, usize, f64);
 

@@ -33,7 +33,7 @@ const LONGEST_COUNT_MM: f64 = 2.0;
 /// The random stream of an encoder's noise. The other sensors use the generator's first one.
 const STREAM: u64 = 1;
 
-/// The noise never exceeds this many standard deviations.
+/// Noise is taken to stay within this many standard deviations.
 const NEVER: f64 = 10.0;
 
 keys! {

@@ -10,7 +10,7 @@ keys! {
     TEMPERATURE_K: f64 = number("exhaust.temperature_k", 294.0, 150.0, 600.0, "C(8)", "Temperature of the surroundings.");
 }
 
-/// Its air.
+/// The air of the surroundings: ambient pressure and temperature.
 #[must_use]
 pub fn station(rig: &Rig, gas: &Gas) -> GasState {
     GasState { exner: gas.exner(rig.get(&keys::PRESSURE_PA)), temperature: rig.get(&keys::TEMPERATURE_K) }

@@ -134,10 +134,10 @@ pub(crate) enum KnownMotion<'a> {
 /// How a spool follows its command as long as nothing limits it: without hysteresis, dither, friction and stops.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum SpoolLaw {
-    /// At once, by so many metres a count.
+    /// At once: this many metres a count.
     Follows { per_count: f64 },
-    /// As a damped mass: to so many metres a count, by its stiffness (1/s^2) and damping (1/s) over its mass (kg). What
-    /// feels no flow has an infinite mass.
+    /// As a damped mass: it tends to `per_count` (m) times the command, by its stiffness (1/s^2) and damping (1/s)
+    /// over its mass (kg). A spool that feels no flow force has an infinite mass.
     Moves { per_count: f64, stiffness_per_mass: f64, damping_per_mass: f64, mass: f64 },
 }
 
@@ -349,7 +349,7 @@ impl Operator {
         }
     }
 
-    /// The next instant after `t` at which the operator changes of itself.
+    /// The next instant after `t` at which the operator changes by itself.
     #[must_use]
     pub fn next_time_event(&self, t: f64) -> f64 {
         match self {

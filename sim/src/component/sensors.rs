@@ -101,7 +101,7 @@ pub struct Converter {
 }
 
 impl Converter {
-    /// With a value at raw 0, one at full scale, and bits, at most 15.
+    /// A converter with these values at raw 0 and at full scale, and this many bits, at most 15.
     #[must_use]
     pub fn new(min: f64, max: f64, bits: u32) -> Converter {
         Converter { min, span: max - min, full_scale: (1 << bits) - 1 }
@@ -136,7 +136,7 @@ pub struct Sensors {
     /// None: the pressures are not measured.
     pressure: Option<Converter>,
     spool: Converter,
-    /// The homing switch is closed below this position, m; without a switch below none.
+    /// The homing switch is closed below this position, m; negative infinity without a switch.
     home_switch: f64,
     noise_counts: f64,
     random: ChaCha8Rng,

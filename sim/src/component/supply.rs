@@ -10,7 +10,7 @@ keys! {
     TEMPERATURE_K: f64 = number("supply.temperature_k", 294.0, 150.0, 600.0, "C(6)", "Supply temperature.");
 }
 
-/// Its air.
+/// The air of the supply: its pressure and temperature.
 #[must_use]
 pub fn station(rig: &Rig, gas: &Gas) -> GasState {
     GasState { exner: gas.exner(rig.get(&keys::PRESSURE_PA)), temperature: rig.get(&keys::TEMPERATURE_K) }

@@ -171,7 +171,7 @@ impl Tube {
         matches!(self.0, Drop::None)
     }
 
-    /// d ln w/d mdot of a flow away from the known end, s/kg, where that is the same for all flows.
+    /// The decay d ln w/d mdot of a flow away from the known end, s/kg, if it is the same for all flows.
     #[inline(always)]
     pub(crate) fn decay(&self) -> Option<f64> {
         match self.0 {

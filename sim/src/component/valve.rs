@@ -110,7 +110,7 @@ pub fn speed_counts(rig: &Rig) -> bool {
 /// for n = 1.4. Close to 1 the solution is nearly double, and is not found reliably.
 pub const MAX_DISCHARGE: f64 = 0.9;
 
-/// What the valve's dimensions must hold.
+/// The constraints on the valve's dimensions.
 pub(crate) fn check(rig: &Rig, findings: &mut Findings) {
     for key in [&keys::DISCHARGE_SUPPLY, &keys::DISCHARGE_EXHAUST] {
         if speed_counts(rig) && rig.get(key) > MAX_DISCHARGE {

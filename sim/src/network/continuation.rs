@@ -22,9 +22,9 @@ const PARTS: u32 = 8;
 /// How often a step is halved at most.
 const MAX_HALVINGS: u32 = 6;
 
-/// A step of the solution changes the flows of a node by at most this part of them,
+/// A step of the solution changes the flows of each node by at most this part of them
 const LEAP: f64 = 0.25;
-/// and this part of all flows.
+/// plus this part of the flows of both.
 const LEAK: f64 = 0.01;
 
 impl Network {

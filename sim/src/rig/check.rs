@@ -1,5 +1,5 @@
-//! What must hold between the components of a rig: nothing that divides by zero, nothing unphysical (thesis 9.2.1 asks
-//! for such a check). What concerns one component alone stands with it.
+//! The constraints between the components of a rig: nothing that divides by zero, nothing unphysical (thesis 9.2.1
+//! asks for such a check). The constraints on one component alone stand with it.
 
 use std::collections::BTreeSet;
 
@@ -24,7 +24,7 @@ use crate::{gain_bug, keys, schedule, start};
 const MAX_TAKEN_UP: f64 = 0.5;
 
 impl Rig {
-    /// The rig with the values that follow from others, if all that must hold between its keys does; `source` is for
+    /// The rig with the values that follow from others, if the constraints between its keys hold; `source` is for
     /// messages.
     pub(super) fn checked(mut self, source: &str) -> Result<Rig, Problems> {
         self.suit_others();

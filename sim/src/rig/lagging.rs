@@ -1,4 +1,4 @@
-//! Whether the lag of a rig's tubes is one.
+//! Whether the lag of a rig's tubes is long enough to have an effect.
 //!
 //! The pressure behind a tube follows the flow, and the flow through the valve follows that pressure. With a lag T, a valve that
 //! passes m_v where nothing is lost before and behind it, and tubes that lose half of the pressure at m_t, that pressure settles

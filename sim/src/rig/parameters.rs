@@ -124,7 +124,7 @@ impl Rig {
         absolute.then_some((id::NO_MOTION_COUNTS, counts.round() as i32))
     }
 
-    /// The software end positions, with `counts` of a length in metres. A setpoint of a closed loop outside the stroke
+    /// The soft limits, with `counts` of a length in metres. A setpoint of a closed loop outside the stroke
     /// can only be a slip; an open loop may push against its stops, unless the file says otherwise.
     fn end_positions(&self, counts: impl Fn(f64) -> i32) -> [(u16, i32); 2] {
         use keys::safety as key;

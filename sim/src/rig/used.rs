@@ -10,7 +10,7 @@ use crate::key::Key;
 use crate::keys;
 use crate::values::{Findings, Rig, Value};
 
-/// What must hold of another key, which must have an effect itself.
+/// A condition on another key, which must have an effect itself.
 enum When {
     /// It has one of these words; of a switch `true` or `false`.
     Is(&'static Key, &'static [&'static str]),
@@ -40,7 +40,7 @@ const CONNECTORS: When = Is(&keys::valve::MODEL.key, WITH_CONNECTORS);
 const LIMITED: When =
     Any(&[Is(&keys::test::PROFILE.key, &["trapezoid", "s-curve"]), Given(&keys::test::MOVE.key)]);
 
-/// Keys, and all that must hold for them to have an effect besides their models.
+/// Keys, and the conditions under which they have an effect, besides their models.
 #[rustfmt::skip]
 static TABLE: &[(&[&Key], &[When])] = &[
     (&[&keys::controller::LAW.key], &[CLOSED]),

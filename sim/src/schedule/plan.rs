@@ -39,9 +39,9 @@ pub struct Planned {
 /// Why a move has no profile.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Slip {
-    /// Neither in mm nor in counts, or in both.
+    /// The target is neither in mm nor in counts, or in both.
     Target,
-    /// The same of the amplitude.
+    /// The amplitude is neither in mm nor in counts, or in both.
     Amplitude,
     /// The ramp is longer than the controller can count.
     TooLong,

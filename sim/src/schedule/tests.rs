@@ -67,7 +67,7 @@ fn the_profile_of_a_test_is_that_of_its_moves_and_targets() {
     assert_eq!(profiles(targets).len(), 2);
 }
 
-/// From anywhere between the end positions.
+/// From anywhere between the soft limits.
 #[test]
 fn the_first_ramp_is_long_enough_from_either_end() {
     let text = "[test]\nmoves = [[0.0, 5000]]\nprofile = \"trapezoid\"\nvelocity_mm_s = 300\nacceleration_mm_s2 = 1e6\n";

@@ -14,7 +14,7 @@ const TOLERANCE: f64 = 1e-11;
 pub struct Stop {
     /// Time until then, s.
     pub time: f64,
-    /// Distance until then, m.
+    /// Distance travelled until then, m.
     pub distance: f64,
 }
 
@@ -49,7 +49,8 @@ impl<F: FrictionModel> System<N, 1, 0> for Coasting<'_, F> {
     }
 }
 
-/// Where a body (mass in kg) that extends at a velocity (m/s) first stands still; None if it does not within so many seconds.
+/// Where a body (mass in kg) that extends at a velocity (m/s) first stands still; None if it does not within the
+/// given seconds.
 ///
 /// ```
 /// use pneudrive_sim::component::friction::{DryFriction, coast};

@@ -51,7 +51,7 @@ pub struct Calibration {
 }
 
 impl Calibration {
-    /// Of the numbers that keys have.
+    /// The errors by the values of their keys.
     #[must_use]
     pub fn of(number: impl Fn(&Typed<f64>) -> f64) -> Calibration {
         let gain = |key| 1.0 + 1e-2 * number(key);
@@ -72,7 +72,7 @@ impl Calibration {
         }
     }
 
-    /// Of a rig.
+    /// The errors of a rig's sensors.
     #[must_use]
     pub fn of_rig(rig: &Rig) -> Calibration {
         Calibration::of(|key| rig.get(key))
@@ -95,7 +95,7 @@ impl Calibration {
         }
     }
 
-    /// The true position (m) and pressures (Pa) of which the sensors read these.
+    /// The true position (m) and pressures (Pa) behind these readings.
     #[must_use]
     pub fn true_values(&self, position: f64, pressures: [f64; 2]) -> (f64, [f64; 2]) {
         let pressures = std::array::from_fn(|i| self.pressures[i].true_value(pressures[i]));

@@ -34,7 +34,7 @@ use crate::component::air::GasState;
 use crate::component::gas::Gas;
 use pneudrive_solver::bracketed_root;
 
-/// 4fL/D below which a pipe has no drop worth the name.
+/// 4fL/D below which the drop of a pipe is neglected.
 pub(super) const MIN_SPAN: f64 = 1e-12;
 
 /// Two reach rounding at any Mach number and length; one is to spare.

@@ -30,7 +30,7 @@ pub enum FlowLaw {
 }
 
 impl FlowLaw {
-    /// Of the lands of a rig that have areas: to the supply and to the exhaust.
+    /// The laws of a rig's lands that have areas: to the supply and to the exhaust.
     #[must_use]
     pub fn of_areas(rig: &Rig) -> [FlowLaw; 2] {
         match rig.get(&discharge::keys::DISCHARGE_MODEL) {

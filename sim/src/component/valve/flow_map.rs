@@ -25,7 +25,7 @@ pub const MAX_RATIOS: usize = 16;
 const KNOTS: usize = MAX_RATIOS + 1;
 /// Ratios that are nearer to each other are one.
 const SAME_RATIO: f64 = 2e-3;
-/// Of the largest flow: less is none.
+/// The smallest flow of a path, as a part of the largest: a flow meter tells no less.
 const TIGHT: f64 = 1e-4;
 /// m^3/(s Pa) in l/min per kPa.
 const LITRES_PER_MINUTE_KPA: f64 = 1e-3 / 60.0 / 1e3;
@@ -69,10 +69,10 @@ impl Point {
 }
 
 impl FlowMap {
-    /// Through the rows of a map, each flow higher by `shift` standard deviations.
+    /// The map through these rows, each flow higher by `shift` standard deviations.
     ///
     /// # Errors
-    /// What makes the rows no map.
+    /// The reason why the rows do not make a map.
     pub fn through(rows: &[Vec<f64>], shift: f64) -> Result<FlowMap, String> {
         check_rows(rows)?;
         let points: Vec<Point> = rows.iter().map(|row| Point::of(row)).collect();
@@ -91,7 +91,7 @@ impl FlowMap {
         Ok(FlowMap { ratios, over_spool })
     }
 
-    /// What holds with the spool at a part of its travel, positive where the path opens.
+    /// The map with the spool at this part of its travel, positive where the path opens.
     #[must_use]
     pub fn at(&self, spool: f64) -> Slice {
         let mut slice = Slice {

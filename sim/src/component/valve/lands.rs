@@ -41,7 +41,7 @@ pub(super) fn characteristic(rig: &Rig) -> Option<Characteristic> {
     }
 }
 
-/// What a characteristic must hold.
+/// The constraints on a characteristic.
 pub(super) fn check(rig: &Rig, findings: &mut Findings) {
     let model = rig.get(&keys::CHARACTERISTIC);
     let facts = rig.get(&super::keys::MODEL).facts();

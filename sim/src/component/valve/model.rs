@@ -19,7 +19,7 @@ pub enum Paths {
     Own,
 }
 
-/// What does not depend on the values of a rig.
+/// The properties of a model, whatever the values of a rig.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Facts {
     /// What is known of its paths.
@@ -90,7 +90,7 @@ pub trait ValveModel {
         None
     }
 
-    /// What the keys of the model must hold.
+    /// The constraints on the keys of the model.
     fn check(_rig: &Rig, _findings: &mut Findings) {}
 }
 

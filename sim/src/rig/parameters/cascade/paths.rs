@@ -22,7 +22,7 @@ use crate::keys;
 use crate::network::{Network, PortFlow};
 use crate::values::Rig;
 
-/// Pressures of the fit: from so much above the exhaust to so much below the supply.
+/// Pressures of the fit: from the first factor times the exhaust to the second times the supply, and how many.
 const EMPTY: f64 = 1.05;
 const FULL: f64 = 0.98;
 const PRESSURES: u32 = 13;
@@ -30,12 +30,12 @@ const PRESSURES: u32 = 13;
 const PLACES: [f64; 7] = [0.01, 0.03, 0.07, 0.15, 0.3, 0.6, 1.0];
 /// The part of a flow that leaks by the other land of its port, above which nothing is learned of it.
 const LEAK: f64 = 0.15;
-/// Critical ratios that are tried: from 0 on in such steps.
+/// Critical ratios that are tried: this many, from 0 on, in steps of [`RATIO`].
 const RATIOS: u32 = 17;
 const RATIO: f64 = 0.05;
 /// The middle of the pressures, a part of the supply.
 const MIDDLE: f64 = 0.6;
-/// Widths of the port that are tried: from its bore on by such a factor.
+/// Widths of the port that are tried: this many, from its bore on, each [`PORT`] times the one before.
 const PORTS: u32 = 12;
 const PORT: f64 = 1.15;
 

@@ -45,7 +45,7 @@ enum Kind {
     Follows(Oscillator),
     /// A coil against a spring, and a sensor shows it.
     Measured(Measured),
-    /// A stepper, a step of so many m a sample.
+    /// A stepper, with a step of this length (m) a sample.
     Stepped { step: f64 },
 }
 
