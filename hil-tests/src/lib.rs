@@ -103,7 +103,7 @@ pub trait Supplied: Target {
 
 /// An execution level that can be made late.
 pub trait Delayed: Target {
-    /// Sample k of each run comes so much later than it should, microseconds of the board's clock.
+    /// Sample k of each run comes this much later than it should, microseconds of the board's clock.
     fn delay_sample(&self, k: u64, late_us: u16);
 }
 

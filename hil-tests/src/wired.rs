@@ -328,7 +328,7 @@ impl Level {
         self.drive.board.bench.output(mode)
     }
 
-    /// The timer reaches an instant, and the processor comes to it so much later.
+    /// The timer reaches an instant, and the processor comes to it `late_us` later.
     fn interrupt(&mut self, mark: Mark, late_us: u16) {
         self.wires.borrow_mut().reach(mark, late_us);
         self.drive.tick();

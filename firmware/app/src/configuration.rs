@@ -211,7 +211,7 @@ impl Configuration {
         self.source
     }
 
-    /// How often they were saved, wrapping.
+    /// Number of saves, wrapping.
     #[must_use]
     pub fn saves(&self) -> u32 {
         self.saves

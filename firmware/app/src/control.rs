@@ -192,7 +192,7 @@ impl<R: BorrowMut<Recorder>> Control<R> {
         self.clock.mean_interval_ns().unwrap_or(nominal)
     }
 
-    /// How even the samples are: from one to the next, and from a sample to the end of its output.
+    /// Jitter of the samples: from one to the next, and from a sample to the end of its output.
     #[must_use]
     pub fn timing(&mut self) -> [Spread; 2] {
         self.settle_timing();

@@ -24,9 +24,9 @@ pub enum Operation {
 pub struct Request {
     /// The operation.
     pub operation: Operation,
-    /// Where, bytes from the start of the flash.
+    /// Address, bytes from the start of the flash.
     pub offset: u32,
-    /// To how many bytes.
+    /// Number of bytes.
     pub length: u32,
 }
 

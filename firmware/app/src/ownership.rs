@@ -122,7 +122,7 @@ impl Ownership {
         }
     }
 
-    /// Whether the owner's request of this number is none that was heard before.
+    /// Whether this request number is later than all that were heard of the owner.
     fn is_new(&self, sequence: u16) -> bool {
         self.last.is_none_or(|last| sequence.wrapping_sub(last).cast_signed() > 0)
     }

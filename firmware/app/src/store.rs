@@ -20,11 +20,11 @@ pub trait Store {
     /// The configuration to start with.
     fn load(&mut self) -> Load;
 
-    /// The number of this boot: another one for each, whatever ended the one before.
-    /// [`NO_BOOT`]: what is kept cannot tell.
+    /// The number of this boot: different for each, whatever ended the one before. [`NO_BOOT`]: what is kept cannot
+    /// tell.
     fn boot(&self) -> u32;
 
-    /// Stores the configuration; how often that was done, wrapping.
+    /// Stores the configuration; returns the number of saves, wrapping.
     ///
     /// # Errors
     /// When it is not stored; the one before is whole then.

@@ -19,7 +19,7 @@ pub struct Stream {
     rows: [u8; HELD * StreamedSample::BYTES],
     /// Number of the request that began it.
     name: u16,
-    /// Every how manyth sample; 0: none.
+    /// Every nth sample becomes a row; 0: none does.
     every: u32,
     /// Rows that go at once.
     batch: u32,
@@ -85,7 +85,8 @@ impl Stream {
         self.gathered.saturating_sub(HELD as u32)
     }
 
-    /// Whether so many rows wait that the next ones might overwrite the oldest. A rig that makes its own time can wait.
+    /// Whether half of the room is taken by rows that wait, so that new ones might soon overwrite them. A rig that
+    /// makes its own time can wait.
     #[must_use]
     pub fn is_full(&self) -> bool {
         self.gathered - self.sent.max(self.oldest()) > HELD as u32 / 2

@@ -1,5 +1,5 @@
-//! The timer calibration (thesis 7.1.4), by the board's own clock: how even the samples are, and how long a sample
-//! takes to become an output.
+//! The timer calibration (thesis 7.1.4), by the board's own clock: the jitter of the samples, and the latency from a
+//! sample to its output.
 
 use pneudrive_controller::config::Timing;
 use pneudrive_protocol::{HISTOGRAM_BINS, Spread};

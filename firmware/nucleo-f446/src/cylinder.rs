@@ -25,7 +25,7 @@ const PIECE_US: u32 = 80;
 /// The control and its board: what the two tasks share.
 pub type Drive = pneudrive_app::runtime::drive::Drive<NucleoBoard, &'static mut Recorder>;
 
-/// All that there is. Runs once, with interrupts disabled; what goes wrong here breaks down.
+/// Starts everything. Runs once, with interrupts disabled; a failure here is a breakdown.
 pub fn start(_: CorePeripherals, device: Peripherals, recorder: &'static mut Recorder) -> (Drive, Talk) {
     let reset = reset::reason(&device.RCC);
     let mut watchdog = Watchdog::new(device.IWDG, &device.DBGMCU);

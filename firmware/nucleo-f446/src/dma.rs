@@ -36,7 +36,7 @@ impl<const N: usize> Stream<N> {
         self.registers().cr().modify(|_, w| w.en().set_bit());
     }
 
-    /// Fills so many bytes of memory, no more than it has, from a port's data register, and interrupts.
+    /// Fills this many bytes of memory, no more than it has, from a port's data register; the end is an interrupt.
     #[cfg(feature = "plant-bus")]
     pub fn fill(&mut self, port: *const u32, memory: &'static [AtomicU8], bytes: usize) {
         self.point(port, memory, bytes);
@@ -44,7 +44,7 @@ impl<const N: usize> Stream<N> {
         self.registers().cr().modify(|_, w| w.en().set_bit());
     }
 
-    /// Sends so many bytes of memory, no more than it has, to a port's data register.
+    /// Sends this many bytes of memory, no more than it has, to a port's data register.
     pub fn send(&mut self, port: *const u32, memory: &'static [AtomicU8], bytes: usize) {
         self.point(port, memory, bytes);
         // What was put into memory is there before the stream reads it.
@@ -75,7 +75,7 @@ impl<const N: usize> Stream<N> {
         self.clear_flags();
     }
 
-    /// Clears what it has to tell; an interrupt comes for the next that it has.
+    /// Clears the flags of the stream, so that its next end interrupts.
     pub fn clear_flags(&self) {
         const SHIFTS: [u32; 4] = [0, 6, 16, 22];
         let flags = 0x3d << SHIFTS[N % 4];

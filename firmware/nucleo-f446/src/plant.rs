@@ -25,7 +25,7 @@ use crate::start::{PROCESSOR_MHZ, Store, clocks, store, take_up};
 use crate::watchdog::Watchdog;
 use crate::{Control, Talk, reset};
 
-/// Nothing is stored before the drive has been disabled for so long: as on the board with a cylinder.
+/// Nothing is stored before the drive has been disabled for this long: as on the board with a cylinder.
 const REST_CYCLES: u32 = PROCESSOR_MHZ * REST_US as u32;
 
 /// The control, its board, and the plant's line: what the two tasks share.
@@ -83,7 +83,7 @@ impl Served for PlantDrive {
     }
 }
 
-/// All that there is. Runs once, with interrupts disabled; what goes wrong here breaks down.
+/// Starts everything. Runs once, with interrupts disabled; a failure here is a breakdown.
 pub fn start(
     core: CorePeripherals,
     device: Peripherals,

@@ -77,7 +77,8 @@ pub unsafe fn fault_memory() -> &'static mut Memory {
     unsafe { &mut *black_box(FAULTS.0.get()).cast() }
 }
 
-/// Off, noted, told, reset. What breaks down in telling is not told again.
+/// Switches the drive off, leaves the note, tells the cause and resets the board. A breakdown while telling is not
+/// told again.
 fn break_down(cause: u32, tell: impl FnOnce()) -> ! {
     cortex_m::interrupt::disable();
     switch_off();

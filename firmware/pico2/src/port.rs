@@ -84,14 +84,14 @@ impl Port {
         channel.ch_write_addr().write(|w| unsafe { w.bits(to) });
         // SAFETY: as above.
         channel.ch_trans_count().write(|w| unsafe { w.bits(ENDLESS) });
-        // SAFETY: a chain to itself is none, and the ring has so many bits.
+        // SAFETY: a channel that chains to itself chains to none, and the ring has this many address bits.
         channel.ch_ctrl_trig().write(|w| unsafe {
             w.data_size().size_byte().incr_write().set_bit().ring_sel().set_bit().ring_size().bits(RING_BITS);
             w.treq_sel().uart0_rx().chain_to().bits(RECEIVE as u8).en().set_bit()
         });
     }
 
-    /// How many places of the ring are left before the DMA begins anew.
+    /// Places of the ring that are left before the DMA starts over.
     fn left(&self) -> usize {
         let filled = self.channel(RECEIVE).ch_write_addr().read().bits() as usize % RING;
         RING - filled
@@ -128,7 +128,7 @@ impl talk::Port for Port {
         channel.ch_write_addr().write(|w| unsafe { w.bits(to) });
         // SAFETY: as above.
         channel.ch_trans_count().write(|w| unsafe { w.bits(self.collected as u32) });
-        // SAFETY: a chain to itself is none.
+        // SAFETY: a channel that chains to itself chains to none.
         channel.ch_ctrl_trig().write(|w| unsafe {
             w.data_size().size_byte().incr_read().set_bit().treq_sel().uart0_tx();
             w.chain_to().bits(SEND as u8).en().set_bit()

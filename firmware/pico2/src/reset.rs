@@ -56,7 +56,8 @@ fn switch_off() {
     unsafe { &*SIO::ptr() }.gpio_out_clr().write(|w| unsafe { w.bits(1 << ENABLE_PIN) });
 }
 
-/// Off, noted, told, reset. What breaks down in telling is not told again.
+/// Switches the drive off, leaves the note, tells the cause and resets the board. A breakdown while telling is not
+/// told again.
 fn break_down(cause: u32, tell: impl FnOnce()) -> ! {
     cortex_m::interrupt::disable();
     switch_off();

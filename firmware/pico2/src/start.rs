@@ -29,7 +29,7 @@ use pneudrive_app::log;
 /// six cycles each and 128 MHz. Not measured on this board.
 const PIECE_US: u32 = 113;
 
-/// All that there is.
+/// Starts everything.
 pub fn start(mut device: Peripherals, recorder: &'static mut Recorder) -> (Drive, Talk) {
     let sio = Sio::new(device.SIO);
     let pins = Pins::new(device.IO_BANK0, device.PADS_BANK0, sio.gpio_bank0, &mut device.RESETS);

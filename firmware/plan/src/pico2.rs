@@ -3,7 +3,7 @@
 //! | module | holds |
 //! |---|---|
 //! | [`clocks`] | the crystal's clock and the watchdog's, and whether they agree |
-//! | [`flash`] | where in the flash what is |
+//! | [`flash`] | what is where in the flash |
 //! | `quadrature` | the program of the state machine that counts the encoder's edges (feature `pio`) |
 
 pub mod clocks;

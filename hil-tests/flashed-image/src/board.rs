@@ -46,7 +46,7 @@ const RECEIVER: u32 = 5;
 const SENDER: u32 = 6;
 const SERIAL_CHANNEL: u32 = 4;
 
-/// Clocks that stand are looked after as if they ran at this.
+/// Clocks that stand still count as running at this.
 const NO_CLOCK: Clocks = Clocks { core: 45, apb1: 45, apb1_timers: 45, apb2: 45 };
 
 /// Why the processor does not go on.
@@ -308,7 +308,7 @@ impl Board {
         events.into_iter().flatten().fold(self.until, Ticks::min)
     }
 
-    /// The processor may go so far.
+    /// Allows the processor to run until then.
     pub fn go_until(&mut self, until: Ticks) {
         self.until = until;
     }
@@ -339,7 +339,7 @@ impl Board {
         self.now = self.now.max(next);
     }
 
-    /// The host says a byte; whether a whole request has come with it.
+    /// Receives a byte from the host; returns whether it completes a request.
     pub fn hear(&mut self, byte: u8, noisy: bool) -> bool {
         let byte = if noisy { byte ^ 0x10 } else { byte };
         self.usart.hear(byte, noisy, self.now);

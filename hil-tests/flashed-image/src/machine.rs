@@ -18,8 +18,8 @@ use crate::time::{Corner, MICROSECOND, MILLISECOND, Ticks};
 /// How far the board goes between two looks at the line.
 const TURN: Ticks = MILLISECOND;
 
-/// In a run the board may be so far ahead of a host that says nothing; well below the silence that trips a drive. From
-/// there on it goes slower than the wall's clock by so much, as the host may be waiting for the PC.
+/// A run may be this far ahead of a silent host: well below the silence that trips a drive. From there on it runs
+/// slower than the wall clock by as much, as the host may be waiting for the PC.
 const AHEAD: Ticks = 300 * MILLISECOND;
 const SLOWER: u32 = 4;
 
@@ -45,7 +45,7 @@ pub struct Machine {
     bytes: u64,
     /// Nothing of what the host says comes through.
     cut: bool,
-    /// What is done once so many samples have been taken.
+    /// The job to do once this many samples have been taken.
     due: Option<(u64, Job)>,
     /// When that was done.
     pub injected: Option<Ticks>,
@@ -113,7 +113,7 @@ impl Machine {
         self.processor.jump(address)
     }
 
-    /// Every so manyth byte of the host is hit by noise from now on; None: none.
+    /// Noise hits every nth byte of the host from now on; None: no byte.
     pub fn disturb(&mut self, every: Option<u64>) {
         self.noise = every;
     }
@@ -123,7 +123,7 @@ impl Machine {
         self.cut = cut;
     }
 
-    /// Something is done once so many samples of runs have been taken.
+    /// Does a job once this many samples of runs have been taken.
     pub fn inject_at(&mut self, sample: u64, job: Job) {
         self.due = Some((sample, job));
     }

@@ -66,7 +66,7 @@ impl<const N: usize> Words<N> {
         self.get(offset) >> bit & 1 == 1
     }
 
-    /// Bits from `low` on, so many.
+    /// The field of `bits` bits from `low` on.
     #[must_use]
     pub fn field(&self, offset: u32, low: u32, bits: u32) -> u32 {
         self.get(offset) >> low & ((1 << bits) - 1)

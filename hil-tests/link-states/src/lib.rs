@@ -46,7 +46,7 @@ use presence::Time;
 use rig::{Rig, Run};
 use step::{Change, Delivered, Delivery, Telling, Told};
 
-/// How often what may happen; each of these comes at any time, or not at all.
+/// How often each disturbance may happen; each comes at any time, or not at all.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Budget {
     /// Frames that are lost, or copied, and questions that are repeated before their time, together.
@@ -65,10 +65,10 @@ pub struct Budget {
     pub gateway: bool,
 }
 
-/// What must be possible, lest the other properties hold because nothing happens.
+/// What must be possible; otherwise the properties could hold because nothing happens.
 pub const REACHED: &str = "both hosts do their job";
 
-/// The same of a PLC that changes its contacts often enough for that.
+/// What must be possible with a PLC that changes its contacts often enough.
 pub const BEGUN_ANEW: &str = "the inputs begin a record after a host's stop";
 
 /// All there is to check.

@@ -78,8 +78,8 @@ fn simulated(rig: &Rig) -> Vec<Observation> {
     run.observations
 }
 
-/// Runs with other moves each, for so many seconds of the drive's time: every record is the simulation, and
-/// nothing has gone wrong on the way.
+/// Runs with other moves each, for this time of the drive: every record is the simulation, and nothing has gone wrong
+/// on the way.
 ///
 /// # Panics
 /// At the first difference, or when a counter tells of a loss.

@@ -39,7 +39,7 @@ pub struct Lines {
 }
 
 impl Lines {
-    /// The timer reaches an instant, and the processor comes to it so much later.
+    /// The timer reaches an instant, and the processor comes to it `late_us` later.
     pub fn reach(&mut self, mark: Mark, late_us: u16) {
         let (instant, reached) = &mut self.instants[mark as usize];
         *reached = true;

@@ -16,18 +16,18 @@ use crate::store::NotStored;
 /// Why a change of the configuration was not taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ChangeError {
-    /// Not now.
+    /// The mode of the drive forbids it.
     Refused(Refusal),
-    /// Not this value.
+    /// A value is not allowed.
     Value(SetError),
-    /// Not with the other parameters.
+    /// The parameters do not go together.
     Inconsistent(ConfigError),
 }
 
 /// Why the parameters were not stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SaveRefusal {
-    /// Not now.
+    /// The mode of the drive forbids it.
     NotNow(Refusal),
     /// The flash did not take them.
     NotStored,

@@ -118,7 +118,7 @@ impl<R: BorrowMut<Recorder>> Control<R> {
         if begun == Err(Refusal::ValveNotAtNull.code()) && self.inputs_own() {
             self.selector.phase = Phase::Waiting;
         } else if begun.is_err() && !was_enabled {
-            // What was enabled for nothing.
+            // The drive was enabled for this record alone.
             self.disarm();
         }
         self.tell(board);

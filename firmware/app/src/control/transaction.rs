@@ -18,9 +18,9 @@ use crate::recorder::Recorder;
 /// Why a change was not taken. Nothing was changed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TakeError {
-    /// Not now.
+    /// The mode of the drive forbids it.
     Refused(Refusal),
-    /// Not this value.
+    /// A value is not allowed.
     Value {
         /// Id of the parameter.
         id: u16,
@@ -31,7 +31,7 @@ pub enum TakeError {
     },
     /// The parameters do not go together.
     Inconsistent(ConfigError),
-    /// Not this move.
+    /// A move is not allowed.
     Sequence(SequenceError),
     /// The test lasts more samples than can be counted.
     TooLong,

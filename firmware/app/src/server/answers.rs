@@ -77,7 +77,7 @@ pub(super) fn config_state(configuration: &Configuration) -> ConfigState {
     }
 }
 
-/// The owner, with its name in this buffer: the drive is no longer locked when the reply is framed.
+/// A copy of the owner with its name in this buffer: the drive is no longer locked when the reply is framed.
 pub(super) fn kept<'a>(owner: Owner<'_>, room: &'a mut Scratch) -> Owner<'a> {
     let Owner { presence, session, silent_ms, host } = owner;
     Owner { presence, session, silent_ms, host: kept_text(host, room) }

@@ -20,7 +20,7 @@ pub struct Wiper<SPI, D> {
 }
 
 impl<SPI: SpiDevice, D: DelayNs> Wiper<SPI, D> {
-    /// One at this channel, 0 to 7; of a larger number the lowest three bits count.
+    /// A potentiometer at this channel, 0 to 7; of a larger number the lowest three bits count.
     pub fn new(spi: SPI, delay: D, channel: u8) -> Wiper<SPI, D> {
         Wiper { converter: Mcp3208::new(spi, delay, [channel; 3]), channel }
     }

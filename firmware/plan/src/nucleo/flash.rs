@@ -44,7 +44,7 @@ pub fn sectors(range: &Range<u32>) -> Option<RangeInclusive<u8>> {
     Some(first as u8..=behind.saturating_sub(1) as u8)
 }
 
-/// Whether so many bytes from an offset on are kept ones.
+/// Whether this many bytes from an offset on all lie in the kept range.
 #[must_use]
 pub fn is_kept(offset: u32, bytes: usize) -> bool {
     let behind = u32::try_from(bytes).ok().and_then(|bytes| offset.checked_add(bytes));

@@ -51,7 +51,7 @@ pub fn tick_cycles(ring_khz: u32) -> Option<u16> {
 /// have passed already.
 pub const RUNNING_US: u32 = 330_000;
 
-/// The watchdog is fed, and the clocks are compared, after so much of its time.
+/// The watchdog is fed, and the clocks are compared, after this much of its time, microseconds.
 pub const LOOK_US: u32 = 50_000;
 
 /// While a sector is erased or pages are written: 4 KiB take 400 ms at most.

@@ -34,7 +34,7 @@ pub fn layout() -> Layout {
     }
 }
 
-/// Whether so many bytes from an offset on are kept ones.
+/// Whether this many bytes from an offset on all lie in the kept range.
 #[must_use]
 pub fn is_kept(offset: u32, bytes: usize) -> bool {
     let behind = u32::try_from(bytes).ok().and_then(|bytes| offset.checked_add(bytes));

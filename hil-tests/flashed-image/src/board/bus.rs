@@ -82,7 +82,7 @@ fn peripheral(address: u32) -> Option<(Peripheral, Option<Gate>, u32)> {
 }
 
 impl Board {
-    /// A read of so many bytes.
+    /// Reads this many bytes.
     pub fn read(&mut self, address: u32, bytes: usize, memory: &mut dyn Memory) -> u64 {
         self.settle(memory);
         let Some((peripheral, start)) = self.reached(address, "reads") else { return 0 };
@@ -98,7 +98,7 @@ impl Board {
         shifted & ((1 << (8 * bytes)) - 1)
     }
 
-    /// A write of so many bytes.
+    /// Writes this many bytes.
     pub fn write(&mut self, address: u32, bytes: usize, value: u64, memory: &mut dyn Memory) {
         self.settle(memory);
         self.idle.something_happens();

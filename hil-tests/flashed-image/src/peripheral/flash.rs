@@ -35,13 +35,13 @@ const SECTORS: [usize; 9] = [0, 0x4000, 0x8000, 0xc000, 0x1_0000, 0x2_0000, 0x4_
 /// Bytes of the flash.
 pub const BYTES: usize = SECTORS[8];
 
-/// What the power's going in the middle of an operation leaves: so many parts of a hundred are done.
+/// A power cut in the middle of an operation, which is then done in part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Cut {
     /// The power goes in the nth operation from now; the next one is the first. An operation is what stands between
     /// unlocking and locking.
     pub operation: u64,
-    /// How much of the bytes that are programmed next come out, or of the sector that is erased, percent.
+    /// How much is done of the bytes that are programmed next, or of the sector that is erased, percent.
     pub percent: usize,
 }
 
@@ -83,7 +83,7 @@ impl Flash {
         &self.cells
     }
 
-    /// So many cells read 0 from now on, as after damage.
+    /// These cells read 0 from now on, as after damage.
     pub fn clear(&mut self, offset: usize, bytes: usize) {
         self.cells[offset..offset + bytes].fill(0);
     }

@@ -27,7 +27,7 @@ pub struct Watchdog {
     /// When it bites, once it runs.
     bites: Option<Ticks>,
     taken_over: Ticks,
-    /// A debugger holds it, with so much of its time left.
+    /// A debugger holds it, with this much of its time left.
     held: Option<Ticks>,
 }
 
