@@ -16,9 +16,9 @@ use crate::store::NotStored;
 /// Why a change of the configuration was not taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ChangeError {
-    /// The mode of the drive forbids it.
+    /// The controller refuses it in the present state of the drive.
     Refused(Refusal),
-    /// A value is not allowed.
+    /// A parameter does not exist, or its value is out of range.
     Value(SetError),
     /// The parameters do not go together.
     Inconsistent(ConfigError),
@@ -27,7 +27,7 @@ pub enum ChangeError {
 /// Why the parameters were not stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SaveRefusal {
-    /// The mode of the drive forbids it.
+    /// The controller refuses it in the present state of the drive.
     NotNow(Refusal),
     /// The flash did not take them.
     NotStored,

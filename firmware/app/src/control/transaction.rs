@@ -18,9 +18,9 @@ use crate::recorder::Recorder;
 /// Why a change was not taken. Nothing was changed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TakeError {
-    /// The mode of the drive forbids it.
+    /// The controller refuses it in the present state of the drive.
     Refused(Refusal),
-    /// A value is not allowed.
+    /// A parameter does not exist, or its value is out of range.
     Value {
         /// Id of the parameter.
         id: u16,
@@ -31,7 +31,7 @@ pub enum TakeError {
     },
     /// The parameters do not go together.
     Inconsistent(ConfigError),
-    /// A move is not allowed.
+    /// The sequence does not take a move.
     Sequence(SequenceError),
     /// The test lasts more samples than can be counted.
     TooLong,
