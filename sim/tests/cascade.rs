@@ -12,7 +12,7 @@ use pneudrive_sim::{Accuracy, Plant, Rig};
 const PRESS: &str = include_str!("cascade/press.toml");
 
 /// Other drives by their data sheets, as changes to the first.
-const DRIVES: [(&str, &[&str]); 5] = [
+const DRIVES: [(&str, &[&str]); 6] = [
     ("32 x 250 mm, 8 kg", &[]),
     ("the same, vertical", &["load.incline_deg=90"]),
     (
@@ -32,6 +32,7 @@ const DRIVES: [(&str, &[&str]); 5] = [
         ],
     ),
     ("32 x 250 mm, 8 kg, 0.5 ms", &["controller.period_s=0.0005", "controller.delay_s=0.0002"]),
+    ("32 x 250 mm, 8 kg, an amplifier that opens the valve to 0.9", &["operator.amplifier_gain=0.9"]),
     ("32 x 250 mm, 8 kg, sensors with a lag of 2 ms", &["sensors.pressure_lag_s=0.002"]),
 ];
 

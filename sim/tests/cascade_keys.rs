@@ -57,6 +57,29 @@ fn slower_observers_leave_the_loops_as_they_are() {
     }
 }
 
+/// Commands that do not open a valve fully open it as far as they go: 2048 counts are 0.9 of the travel.
+#[test]
+fn a_small_gain_of_the_amplifier_is_a_smaller_valve() {
+    let small = ["operator.amplifier_gain=0.9", "valve.leakage_percent=2.0", "valve.underlap_mm=0.05"];
+    let whole = ["valve.leakage_percent=2.0", "valve.underlap_mm=0.05"];
+    let [lap, share] = [0.05 / 0.9 * 2048.0, 0.02 + 0.98 * 0.85 / 0.95];
+    let of = |settings: &[&str], id| parameter(settings, id);
+    let counts = |id| of(&small, id) / 65_536.0;
+    assert!((counts(id::CASCADE_OVERLAP) - lap).abs() < 1e-4);
+    assert!((counts(id::CASCADE_SPAN) - (2048.0 - lap)).abs() < 1e-4);
+    for (id, factor) in [
+        (id::CASCADE_FLOW_SUPPLY, share),
+        (id::CASCADE_FLOW_EXHAUST, share),
+        (id::CASCADE_WAY_SPEED, share),
+        (id::CASCADE_LEAKAGE, 1.0 / share),
+    ] {
+        let (before, after) = (of(&whole, id), of(&small, id));
+        assert!((after - factor * before).abs() <= 1.0, "{before} and {after}");
+    }
+    let refused = press(&["operator.amplifier_gain=0.02", "valve.underlap_mm=0.05"]).expect_err("shut");
+    assert!(refused.contains("operator.amplifier_gain"), "{refused}");
+}
+
 #[test]
 fn the_keys_of_a_law_are_refused_with_another() {
     let message = Rig::read_with(

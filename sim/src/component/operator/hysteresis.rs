@@ -15,7 +15,7 @@ keys! {
 }
 
 /// Half of the hysteresis loop, m: the loop is `hysteresis_percent` of the spool's range wide, from end to end.
-pub(super) fn half_width(rig: &Rig) -> f64 {
+pub(crate) fn half_width(rig: &Rig) -> f64 {
     rig.get(&keys::HYSTERESIS_PERCENT) / 100.0 * spool_travel(rig)
 }
 

@@ -146,7 +146,7 @@ impl Drive {
             (id::CASCADE_FLOW_EXHAUST, fixed(flow(exhaust), 16)),
             (id::CASCADE_STEEPNESS_SUPPLY, fixed(steepness(supply), 16)),
             (id::CASCADE_STEEPNESS_EXHAUST, fixed(steepness(exhaust), 16)),
-            (id::CASCADE_LEAKAGE, fixed(1e-2 * rig.get(&keys::lands::LEAKAGE_PERCENT), 16)),
+            (id::CASCADE_LEAKAGE, fixed(paths.leakage, 16)),
             // The choked flow that leaves the larger chamber.
             (id::CASCADE_WAY_SPEED, fixed(speed, 16)),
         ];
@@ -278,7 +278,11 @@ fn of_any_drive(rig: &Rig) -> Vec<Need> {
 
 /// The command of a coil.
 fn of_coil(rig: &Rig) -> Vec<Need> {
-    let needs: [(bool, &str); 2] = [
+    let needs: [(bool, &str); 3] = [
+        (
+            Spool::of(rig).reach > 1e-3 * rig.get(&keys::valve::UNDERLAP_MM),
+            "operator.amplifier_gain so large that a command goes beyond valve.underlap_mm: a valve that opens",
+        ),
         (
             rig.get(&keys::dither::DITHER_MM) == 0.0,
             "operator.dither_mm = 0: its spool must be where it thinks it is",

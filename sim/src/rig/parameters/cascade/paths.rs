@@ -43,6 +43,8 @@ const PORT: f64 = 1.15;
 pub(super) struct Paths {
     /// Fully open: from the supply and to the exhaust.
     pub open: [Iso6358; 2],
+    /// The part of it that a shut path without lands lets through.
+    pub leakage: f64,
     pub land: Option<Land>,
     /// From the supply and to the exhaust.
     pub tubes: Option<[Tubes; 2]>,
@@ -107,11 +109,21 @@ impl Paths {
     pub(super) fn of(rig: &Rig, reach: f64) -> Paths {
         let model = rig.get(&keys::valve::MODEL);
         if !model.facts().has_areas() {
+            let share = share(rig, reach);
             let open = model.laws(rig).map(|law| match law {
-                FlowLaw::Iso6358(path) => path,
+                FlowLaw::Iso6358(path) => {
+                    Iso6358 { sonic_conductance: share * path.sonic_conductance, ..path }
+                }
                 _ => Iso6358 { sonic_conductance: 0.0, critical_ratio: 0.0, subsonic_index: 0.5 },
             });
-            return Paths { open, land: None, tubes: None, kept: 1.0, fits: None };
+            return Paths {
+                open,
+                leakage: leakage(rig) / share,
+                land: None,
+                tubes: None,
+                kept: 1.0,
+                fits: None,
+            };
         }
         let fits = fits(rig, reach);
         let valve = Valve::of(rig);
@@ -127,6 +139,7 @@ impl Paths {
                 critical_ratio: fit.critical_ratio,
                 subsonic_index: 0.5,
             }),
+            leakage: leakage(rig),
             land: Some(land),
             tubes: Some(fits.map(|fit| fit.tubes(height))),
             kept: out.flow(height, middle) / (out.open(height) * out.phi(middle)),
@@ -147,6 +160,17 @@ impl Paths {
 
 fn clearance(valve: &Valve) -> f64 {
     0.5 * (valve.sleeve_diameter - valve.spool_diameter)
+}
+
+/// The part of its conductance that a shut path without lands lets through.
+fn leakage(rig: &Rig) -> f64 {
+    1e-2 * rig.get(&keys::lands::LEAKAGE_PERCENT)
+}
+
+/// The part of its conductance to which a linear valve opens.
+fn share(rig: &Rig, reach: f64) -> f64 {
+    let valve = Valve::of(rig);
+    1.0 - (1.0 - leakage(rig)) * (valve.travel - reach) / (valve.travel - valve.lap)
 }
 
 /// Both paths, with the port that they share.

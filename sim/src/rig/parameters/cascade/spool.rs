@@ -11,7 +11,7 @@
 use pneudrive_controller::parameters::id;
 
 use super::fixed::fixed;
-use crate::component::operator::{OperatorKind, Oscillator};
+use crate::component::operator::{OperatorKind, Oscillator, hysteresis};
 use crate::component::valve::spool_travel;
 use crate::keys;
 use crate::values::Rig;
@@ -32,7 +32,7 @@ pub(super) struct Spool {
     kind: Kind,
     period: f64,
     delay: f64,
-    /// How far it goes to either side, m: what 2048 counts, or the farthest step, ask for.
+    /// How far it goes to either side, m: its travel, or less where 2048 counts or the farthest step ask for less.
     pub reach: f64,
     /// Travel of the spool by a count, m, and of the command that the amplifier passes on.
     count: f64,
@@ -61,9 +61,10 @@ impl Spool {
         use keys::{empirical, solenoid, stepper};
         let [period, delay] =
             [&keys::controller::PERIOD_S, &keys::controller::DELAY_S].map(|key| rig.get(key));
-        let reach = spool_travel(rig);
-        let of_command = reach / COUNTS * rig.get(&keys::amplifier::AMPLIFIER_GAIN);
-        let spool = |kind, count| Spool { kind, period, delay, reach, count, of_command };
+        let travel = spool_travel(rig);
+        let of_command = travel / COUNTS * rig.get(&keys::amplifier::AMPLIFIER_GAIN);
+        let spool =
+            |kind, count| Spool { kind, period, delay, reach: travel.min(COUNTS * count), count, of_command };
         match rig.get(&keys::operator::MODEL) {
             OperatorKind::Stepper => {
                 let step = 1e-3 * rig.get(&stepper::MM_PER_STEP);
@@ -131,7 +132,7 @@ impl Spool {
 
     /// Of a solenoid, with its play.
     fn of_oscillator(&self, rig: &Rig, oscillator: &Oscillator, lag: f64) -> Vec<(u16, i32)> {
-        let play = rig.get(&keys::hysteresis::HYSTERESIS_PERCENT) / 100.0 * self.reach;
+        let play = hysteresis::half_width(rig);
         let [output, sample] =
             [self.delay, self.period - self.delay].map(|time| phi(oscillator, time, self.period));
         vec![
