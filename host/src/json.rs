@@ -6,6 +6,8 @@
 //!
 //! Notes and errors stay on standard error. The document contains the findings of a command before it failed.
 
+pub mod fields;
+
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use clap::{Arg, ArgAction, ArgMatches, Command};
@@ -13,49 +15,6 @@ use serde_json::{Map, Value, json};
 
 use crate::exit::Exit;
 use crate::output::{Stream, leave_text_out};
-
-/// The commands that print figures. A version is raised when a field goes or changes its meaning, not when one is added.
-pub const WITH_FIGURES: [(&str, u32); 39] = [
-    ("demo", 1),
-    ("rig parts", 1),
-    ("rig list", 1),
-    ("rig show", 1),
-    ("rig diff", 1),
-    ("rig check", 1),
-    ("simulate", 1),
-    ("device info", 1),
-    ("device status", 1),
-    ("device reference", 1),
-    ("device home", 1),
-    ("device go", 1),
-    ("device jog", 1),
-    ("device faults", 1),
-    ("device config get", 1),
-    ("device config set", 1),
-    ("device records show", 1),
-    ("device records set", 1),
-    ("device bring-up", 1),
-    ("device io", 1),
-    ("run", 1),
-    ("record", 1),
-    ("monitor", 1),
-    ("replay", 1),
-    ("eval", 1),
-    ("overlay", 1),
-    ("identify", 1),
-    ("spectrum", 1),
-    ("export", 1),
-    ("import", 1),
-    ("fmu", 1),
-    ("characterise", 1),
-    ("study", 1),
-    ("thesis", 1),
-    ("sweep", 1),
-    ("merge", 1),
-    ("ladder", 1),
-    ("tune", 1),
-    ("rig new", 1),
-];
 
 /// The name of the option.
 const JSON: &str = "json";
@@ -79,7 +38,7 @@ fn below(command: Command, before: &str) -> Command {
 }
 
 fn version(command: &str) -> Option<u32> {
-    WITH_FIGURES.iter().find(|(name, _)| *name == command).map(|(_, version)| *version)
+    fields::of(command).map(|figures| figures.version)
 }
 
 /// The document in the making; None where text is wanted.

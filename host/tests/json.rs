@@ -1,34 +1,21 @@
-//! `--json`: what every command that prints figures gives to programs, by the tables of docs/reference/json.md.
+//! `--json`: what every command that prints figures gives to programs, by the tables of `pneudrive::json::fields`.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
 
 use pneudrive::command::whole_command;
-use pneudrive::json::WITH_FIGURES;
+use pneudrive::json::fields;
 use serde_json::Value;
 
 use crate::program::{self, folder, pneudrive, unhurried_rig, virtual_rig, with_line};
 
-/// The fields of a command in docs/reference/json.md, by their places: `moves[].rise_s` is of type `range`.
+/// The fields of a command as the program lists them, by their places: `moves[].rise_s` is of type `range`.
 fn documented(command: &str) -> BTreeMap<String, String> {
-    let page = include_str!("../../docs/reference/json.md");
-    let section = page.split("\n## ").find(|section| is_of(section, command));
-    let section = section.unwrap_or_else(|| panic!("docs/reference/json.md has a section {command}"));
-    let mut fields = BTreeMap::new();
-    for row in section.lines().filter(|line| line.starts_with("| `")) {
-        let cells: Vec<&str> = row.trim_matches('|').split(" | ").map(str::trim).collect();
-        assert_eq!(cells.len(), 3, "{row}");
-        for place in cells[0].split(", ") {
-            fields.insert(place.trim_matches('`').to_owned(), cells[1].to_owned());
-        }
-    }
-    fields
-}
-
-/// Whether a section of the page is that of a command; those with the same fields share one.
-fn is_of(section: &str, command: &str) -> bool {
-    section.lines().next().is_some_and(|heading| heading.split(", ").any(|name| name == command))
+    let figures = fields::of(command).unwrap_or_else(|| panic!("the fields of {command} are listed"));
+    let all = figures.fields.iter().copied().flatten();
+    all.flat_map(|field| field.places.split(", ").map(|place| (place.to_owned(), field.kind.to_owned())))
+        .collect()
 }
 
 /// Compares a value with the fields; those that it has are added to `seen`.
@@ -47,7 +34,7 @@ fn compare(value: &Value, place: &str, fields: &BTreeMap<String, String>, seen: 
                 compare(one, &below(if is_free { "*" } else { name }), fields, seen);
             }
         }
-        _ => panic!("docs/reference/json.md does not have {place}: {value}"),
+        _ => panic!("no listed field is {place}: {value}"),
     }
 }
 
@@ -66,7 +53,7 @@ fn is_a(value: &Value, kind: &str) -> bool {
     }
 }
 
-/// Runs a command with `--json`: its result, whose fields are those of the page.
+/// Runs a command with `--json`: its result, whose fields are those of the tables.
 fn result(folder: &Path, command: &str, arguments: &str) -> Value {
     result_of(folder, command, &format!("{command} {arguments}"))
 }
@@ -82,7 +69,7 @@ fn result_of(folder: &Path, command: &str, typed: &str) -> Value {
     checked(command, document)
 }
 
-/// The result of a document, whose fields are those of the page.
+/// The result of a document, whose fields are those of the tables.
 fn checked(command: &str, document: Value) -> Value {
     let head: Vec<&String> = document.as_object().expect("an object").keys().collect();
     assert_eq!(head, ["format", "program", "exit", "error", "result"]);
@@ -102,7 +89,7 @@ fn checked(command: &str, document: Value) -> Value {
 }
 
 #[test]
-fn every_command_that_prints_figures_has_the_option_and_a_section_of_the_page() {
+fn every_command_that_prints_figures_has_the_option_and_a_list_of_its_fields() {
     // What these print is a text, a page, an address, or that something was done.
     let without = [
         "rig explain",
@@ -141,7 +128,8 @@ fn every_command_that_prints_figures_has_the_option_and_a_section_of_the_page() 
             assert!(!documented(command).is_empty());
         }
     }
-    assert_eq!(all.values().filter(|has_option| **has_option).count(), WITH_FIGURES.len());
+    let listed: usize = fields::FIGURES.iter().map(|one| one.commands.len()).sum();
+    assert_eq!(all.values().filter(|has_option| **has_option).count(), listed);
 }
 
 #[test]

@@ -29,7 +29,7 @@ pub struct Man {
     /// Folder for pneudrive.1, pneudrive-simulate.1 and so on
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
-    /// Write the reference of the book instead: commands, keys of a rig file and names of the thesis, as Markdown
+    /// Write the reference of the book instead: commands, fields of `--json`, keys of a rig file and names of the thesis, as Markdown
     #[arg(long)]
     pub markdown: bool,
 }

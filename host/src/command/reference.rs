@@ -5,11 +5,14 @@ use clap::Command;
 use pneudrive_sim::key::{Kind, Tables};
 use pneudrive_sim::rig::{Key, all_keys, preset_in_words, range_in_words, thesis};
 
+use crate::json::fields;
+
 /// The pages: name of the file, and its text.
-pub(super) fn pages(whole: &Command) -> [(&'static str, String); 3] {
+pub(super) fn pages(whole: &Command) -> [(&'static str, String); 4] {
     [
         ("commands.md", commands(whole, "pneudrive", 2)),
         ("keys.md", keys()),
+        ("json.md", fields::page()),
         ("thesis-names.md", format!("## By number\n\n{}", thesis::table())),
     ]
 }
@@ -85,7 +88,7 @@ mod tests {
 
     #[test]
     fn every_key_has_a_row_in_the_section_of_its_table() {
-        let [_, (_, page), _] = pages(&built());
+        let [_, (_, page), ..] = pages(&built());
         for key in all_keys() {
             let table = if key.table().is_empty() {
                 "Without a table".to_owned()
