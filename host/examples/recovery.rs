@@ -5,8 +5,8 @@
 //! cargo run --release -p pneudrive --example recovery -- 100 shipped|any|scaled|lacking|quiet|quiet-lacking [FIRST SEED]
 //! ```
 //!
-//! Each rig is served and identified by the program itself, as a user does it. The table of docs/howto/identification.md
-//! joins its outputs.
+//! Each rig is served and identified by the program itself, as a user does it. The tables of docs/howto/identification.md
+//! and recovery.md beside this file join its outputs.
 
 #[path = "../tests/hidden_rigs/mod.rs"]
 mod hidden_rigs;

@@ -80,7 +80,7 @@ fn downloaded(folder: &Path, rig: &Rig) -> Transient {
     Transient::read(&folder.join(name)).expect("a record")
 }
 
-/// Prints the table of docs/explanation/evaluation.md, which `--nocapture` shows.
+/// Prints the table air.md beside this file, which `--nocapture` shows.
 #[test]
 fn the_air_of_a_record_is_that_of_the_run_within_3_percent_and_within_its_bounds() {
     let folder = folder();

@@ -6,8 +6,8 @@
 mod table;
 
 #[test]
-fn every_built_in_rig_and_every_reference_case_costs_what_docs_counts_md_says() {
-    let page = std::fs::read_to_string(table::PAGE).expect("docs/reference/counts.md");
+fn every_built_in_rig_and_every_reference_case_costs_what_its_row_says() {
+    let page = std::fs::read_to_string(table::PAGE).expect("tests/counts/work.md");
     let stated = table::of_page(&page).expect("a table");
     let found = table::rows().expect("rigs that can be read");
     assert_eq!(found.lines().count(), stated.lines().count());

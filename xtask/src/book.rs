@@ -78,9 +78,13 @@ fn gather(sources: &Path) -> Result<()> {
         .output()?;
     ensure!(listed.status.success(), "git cannot list the documents");
     for path in String::from_utf8(listed.stdout)?.lines() {
-        let to = sources.join(path);
+        let (from, to) = (cargo::root().join(path), sources.join(path));
         fs::create_dir_all(to.parent().context("a folder")?)?;
-        fs::copy(cargo::root().join(path), to).with_context(|| path.to_owned())?;
+        if path.starts_with("docs/") && path.ends_with(".md") {
+            fs::write(to, with_tables(&from).with_context(|| path.to_owned())?)?;
+        } else {
+            fs::copy(from, to).with_context(|| path.to_owned())?;
+        }
     }
     let summary = fs::read_to_string(sources.join(SUMMARY)).context(SUMMARY)?;
     // Its links lead from docs; mdBook reads it at the top.
@@ -92,6 +96,22 @@ fn gather(sources: &Path) -> Result<()> {
     fs::write(sources.join("README.md"), readme)?;
     fs::write(sources.join("book.toml"), CONFIG)?;
     Ok(())
+}
+
+/// A page with its tables. A table that a program writes, or a test holds, lies beside that; the page has a line with a link
+/// to it and nothing else, in place of which the book has the table.
+fn with_tables(page: &Path) -> Result<String> {
+    let line = |line: &str| match table_of(line).map(|table| page.with_file_name(table)) {
+        Some(table) => fs::read_to_string(&table).with_context(|| table.display().to_string()),
+        None => Ok(format!("{line}\n")),
+    };
+    fs::read_to_string(page)?.lines().map(line).collect()
+}
+
+/// Where a line leads that is a link to Markdown outside of the documents: `[words](../../sim/tests/counts/work.md)`.
+fn table_of(line: &str) -> Option<&str> {
+    let (_, path) = line.strip_prefix('[')?.strip_suffix(')')?.split_once("](")?;
+    (path.starts_with("../../") && path.ends_with(".md") && !path.contains('(')).then_some(path)
 }
 
 /// Puts what the program writes of itself behind the pages of the same names.
@@ -145,4 +165,19 @@ fn pages(folder: &Path) -> Result<Vec<PathBuf>> {
         }
     }
     Ok(all)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_that_is_a_link_to_a_table_is_replaced_by_it() {
+        assert_eq!(table_of("[The table](../../sim/tests/table.md)"), Some("../../sim/tests/table.md"));
+        for other in ["See [it](../../sim/a.md)", "[it](../howto/a.md)", "[a](../../a.md), [b](../../b.md)"] {
+            assert_eq!(table_of(other), None, "{other}");
+        }
+        let page = with_tables(&cargo::root().join("docs/reference/counts.md")).expect("a page");
+        assert!(page.contains("\n| servo-a | ") && !page.contains("/work.md)"), "{page}");
+    }
 }

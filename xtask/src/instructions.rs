@@ -13,6 +13,9 @@ use crate::tools::VALGRIND;
 /// The table.
 const TABLE: &str = "instructions";
 
+/// The lines above its rows.
+const HEAD_LINES: usize = 2;
+
 /// The system and the processor of the counts.
 const COUNTED_ON: (&str, &str) = ("linux", "x86_64");
 
@@ -41,7 +44,9 @@ pub fn write() -> Result<()> {
 fn measured() -> Result<String> {
     VALGRIND.ensure()?;
     run(&mut in_root(&["build", "--release", "--package", "pneudrive-sim", "--example", "cost"]))?;
-    figures::lines(SPEED, TABLE)?.lines().map(row).collect()
+    let head = |line: &str| Ok(format!("{line}\n"));
+    let of = |(k, line)| if k < HEAD_LINES { head(line) } else { row(line) };
+    figures::lines(SPEED, TABLE)?.lines().enumerate().map(of).collect()
 }
 
 /// A new line with the run's name and its samples from an old one.

@@ -1,4 +1,4 @@
-//! What runs cost. Without an argument the table of docs/reference/counts.md is written anew; with the name of a rig
+//! What runs cost. Without an argument the table tests/counts/work.md is written anew; with the name of a rig
 //! that one is run and nothing else, for valgrind to count:
 //!
 //! ```text
@@ -26,6 +26,6 @@ fn main() -> ExitCode {
 
 fn write_page() -> Result<(), String> {
     let old = std::fs::read_to_string(table::PAGE).map_err(|error| format!("{}: {error}", table::PAGE))?;
-    let new = table::replaced(&old, &table::rows()?).ok_or("docs/reference/counts.md has lost its table")?;
+    let new = table::replaced(&old, &table::rows()?).ok_or("tests/counts/work.md has lost its table")?;
     std::fs::write(table::PAGE, new).map_err(|error| format!("{}: {error}", table::PAGE))
 }

@@ -33,7 +33,8 @@ pub const FIRMWARE: Document =
     Document { path: "docs/reference/firmware-figures.md", command: "cargo xtask figures" };
 
 /// The cost of the simulator's runs.
-pub const SPEED: Document = Document { path: "docs/reference/counts.md", command: "cargo xtask cost" };
+pub const SPEED: Document =
+    Document { path: "sim/tests/counts/instructions.md", command: "cargo xtask cost" };
 
 /// The document's text before the lines of a table, these lines, and the text behind them. A table stands between
 /// `<!-- NAME -->` and `<!-- end -->`.
@@ -136,7 +137,8 @@ mod tests {
             hold(SPEED, "instructions", "| servo-a | 1 |\n", OffTable::Above).expect_err("other figures");
         let said = format!("{error:#}");
         assert!(
-            said.contains("instructions of docs/reference/counts.md") && said.contains("cargo xtask cost"),
+            said.contains("instructions of sim/tests/counts/instructions.md")
+                && said.contains("cargo xtask cost"),
             "{said}"
         );
     }
