@@ -132,6 +132,19 @@ fn what_a_data_sheet_cannot_mean_is_named_with_its_option() {
 }
 
 #[test]
+fn a_line_of_the_catalogue_tells_each_figure_once() {
+    let listed = printed(&pneudrive(&["rig", "parts"]));
+    let line = |name: &str| {
+        let found = listed.lines().find(|line| line.split_whitespace().nth(1) == Some(name));
+        found.unwrap_or_else(|| panic!("{name}: {listed}")).trim_end()
+    };
+    assert_eq!(line("proportional-5-3-350").matches("350 l/min").count(), 1);
+    assert!(line("ckd-4ga1-5-3").ends_with("; nominal flow 229 l/min, sonic conductance 0.94 dm3/(s bar)"));
+    assert!(line("pressure-transmitter-10-bar").ends_with("; range 0 bar(g) to 10 bar(g)"));
+    assert!(!listed.lines().any(|line| line.trim_end().ends_with(';')), "{listed}");
+}
+
+#[test]
 fn the_catalogue_tells_its_sources() {
     let all = printed(&pneudrive(&["rig", "parts"]));
     assert!(all.contains("iso-15552-32") && all.contains("proportional-5-3-350"), "{all}");

@@ -188,7 +188,7 @@ pub(super) fn list_parts(name: Option<&str>) -> Result<()> {
     let Some(name) = name else {
         json::figures(|| json!({ "parts": all.iter().map(figures).collect::<Vec<_>>() }));
         for part in &all {
-            say!("{:<10} {:<26} {}", part.family.word(), part.name, in_a_line(part));
+            say!("{:<10} {:<28} {}", part.family.word(), part.name, in_a_line(part));
         }
         return Ok(());
     };
@@ -221,16 +221,30 @@ fn figures(part: &Part) -> Value {
     })
 }
 
-/// The figures by which a part is chosen.
+/// The figures by which a part is chosen, and their words in the list of parts.
+const CHOSEN_BY: [(&str, &str); 9] = [
+    ("bore", "bore"),
+    ("rod", "rod"),
+    ("nominal_flow", "nominal flow"),
+    ("sonic_conductance", "sonic conductance"),
+    ("inner_diameter", "inner diameter"),
+    ("resolution", "resolution"),
+    ("range", "range"),
+    ("range_gauge", "range"),
+    ("response_time", "response time"),
+];
+
+/// What a part is, and the figures by which it is chosen, each once.
 fn in_a_line(part: &Part) -> String {
-    let names =
-        ["bore", "rod", "nominal_flow", "sonic_conductance", "inner_diameter", "resolution", "response_time"];
-    let value = |name: &&str| {
+    let about = part.fact("standard").or_else(|| part.fact("about")).or_else(|| part.fact("kind"));
+    let is_told = |value: &str| about.is_some_and(|about| about.ends_with(value));
+    let value = |(name, word): &(&str, &str)| {
         let figure = part.figure(name)?;
         let range = figure.range.as_ref().map(|[low, high]| format!("{low} to {high}"));
-        Some(format!("{} {}", name.replace('_', " "), figure.value.clone().or(range)?))
+        let value = figure.value.clone().or(range).filter(|value| !is_told(value))?;
+        Some(format!("{word} {value}"))
     };
-    let figures: Vec<String> = names.iter().filter_map(value).collect();
-    let about = part.fact("standard").or_else(|| part.fact("about")).or_else(|| part.fact("kind"));
-    [about.map(str::to_owned), Some(figures.join(", "))].into_iter().flatten().collect::<Vec<_>>().join("; ")
+    let figures = CHOSEN_BY.iter().filter_map(value).collect::<Vec<_>>().join(", ");
+    let said = [about.unwrap_or_default(), figures.as_str()];
+    said.into_iter().filter(|text| !text.is_empty()).collect::<Vec<_>>().join("; ")
 }
