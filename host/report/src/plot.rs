@@ -8,6 +8,12 @@ use super::figure::{Curve, Figure, Look, Panel, Shade};
 /// How much of a shade's colour is seen, of 255.
 const OPACITY: u8 = 0x38;
 
+/// Between two graphs at most, of the height of all.
+const GAP: f64 = 0.03;
+
+/// How many names one legend above all graphs may have; with more, each graph has a legend of its own beside it.
+const MOST_IN_ONE_LEGEND: usize = 8;
+
 /// Axes in the order of their first use.
 #[derive(Default)]
 struct Axes<'a>(Vec<&'a [f64]>);
@@ -48,6 +54,9 @@ fn plot<'a>(figure: &'a Figure, runs: &str, axes: &mut Axes<'a>) -> Value {
     }
     let config = json!({ "responsive": true, "displaylogo": false });
     let mut layout = layout(figure);
+    if traces.iter().filter(|trace| trace["showlegend"] == true).count() > MOST_IN_ONE_LEGEND {
+        give_legends(&mut traces, &mut layout, figure.panels.len());
+    }
     if !runs.is_empty() {
         layout["annotations"] = json!([below(runs)]);
     }
@@ -129,10 +138,23 @@ fn layout(figure: &Figure) -> Value {
     let share = 1.0 / figure.panels.len() as f64;
     for (row, panel) in figure.panels.iter().enumerate() {
         let top = 1.0 - row as f64 * share;
-        let bottom = if row == last { 0.0 } else { top - share + 0.03 };
+        let bottom = if row == last { 0.0 } else { top - share + GAP.min(share / 7.0) };
         layout[axis_name(row).replace('y', "yaxis")] = vertical(panel, [bottom, top]);
     }
     layout
+}
+
+/// Gives each graph a legend of its own, at its upper right.
+fn give_legends(traces: &mut [Value], layout: &mut Value, panels: usize) {
+    for trace in traces {
+        let axis = trace["yaxis"].as_str().unwrap_or_default();
+        trace["legend"] = json!(axis.replace('y', "legend"));
+    }
+    for row in (0..panels).map(axis_name) {
+        let top = layout[row.replace('y', "yaxis")]["domain"][1].clone();
+        layout[row.replace('y', "legend")] =
+            json!({ "x": 1.01, "y": top, "yanchor": "top", "font": { "size": 11 }, "tracegroupgap": 0 });
+    }
 }
 
 /// Small text at the right end below a plot, beside the title of its axis.
@@ -179,6 +201,26 @@ mod tests {
             traces.iter().filter(|trace| trace["showlegend"] == true).count()
         };
         assert_eq!((told(None), told(Some("#1f4e9c"))), (3, 1));
+    }
+
+    #[test]
+    fn a_figure_of_many_names_has_a_legend_beside_each_graph() {
+        let of = |count: usize| {
+            let curve = |k: usize| Curve::new(&k.to_string(), vec![0.0], vec![1.0]);
+            let panel = Panel::new("", (0..count).map(curve).collect());
+            plots(std::iter::once(&Figure::over_time(vec![panel.clone(), panel])), "")["plots"][0].clone()
+        };
+        let (few, many) = (of(MOST_IN_ONE_LEGEND / 2), of(MOST_IN_ONE_LEGEND));
+        assert!(few["data"][0]["legend"].is_null() && few["layout"]["legend2"].is_null());
+        assert_eq!(few["layout"]["legend"]["orientation"], "h");
+        let legends = [0, MOST_IN_ONE_LEGEND].map(|k| many["data"][k]["legend"].clone());
+        assert_eq!(legends, [json!("legend"), json!("legend2")]);
+        for (legend, axis) in [("legend", "yaxis"), ("legend2", "yaxis2")] {
+            assert_eq!(
+                many["layout"][legend]["y"], many["layout"][axis]["domain"][1],
+                "at the top of its graph"
+            );
+        }
     }
 
     #[test]
