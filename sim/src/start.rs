@@ -1,5 +1,6 @@
 //! The state in which a test begins.
 
+use crate::component::actuator::spring::{self, ReturnSpring};
 use crate::component::actuator::{self, Actuator};
 use crate::component::load::{self, Load};
 use crate::component::{friction, supply};
@@ -68,15 +69,17 @@ fn beyond_the_supply(rig: &Rig) -> Option<(&'static Key, String)> {
         "the supply cannot hold the load at the start: it pulls with {:.0} N, and the cylinder holds {air:.0} N at most; take less load, more supply or a larger bore, or give test.pressure_1_pa where it rests on a stop",
         standing.abs()
     );
-    Some((pulls_most(&load, position), message))
+    Some((pulls_most(rig, &load), message))
 }
 
 /// The key of the largest of the forces on a load at rest.
-fn pulls_most(load: &Load, position: f64) -> &'static Key {
-    let parts: [(&'static Key, f64); 3] = [
+fn pulls_most(rig: &Rig, load: &Load) -> &'static Key {
+    let (position, inside) = (rig.get(&test::POSITION_M), ReturnSpring::of(rig));
+    let parts: [(&'static Key, f64); 4] = [
         (&load::keys::MASS_KG, -load.weight()),
-        (&load::keys::CONSTANT_FORCE_N, load.constant_force),
-        (&load::keys::SPRING_N_PER_M, -load.spring * position),
+        (&load::keys::CONSTANT_FORCE_N, rig.get(&load::keys::CONSTANT_FORCE_N)),
+        (&load::keys::SPRING_N_PER_M, -rig.get(&load::keys::SPRING_N_PER_M) * position),
+        (&spring::keys::RETURN_SPRING_PRELOAD_N, inside.force(position)),
     ];
     let way = load.standing_force(position).signum();
     let [first, others @ ..] = parts;
@@ -102,6 +105,14 @@ mod tests {
             (&["load.constant_force_n=1200", "load.incline_deg=90"], "load.constant_force_n"),
             (&["load.constant_force_n=-1200", "load.incline_deg=-90"], "load.constant_force_n"),
             (&["load.spring_n_per_m=30e3", "load.incline_deg=10"], "load.spring_n_per_m"),
+            (
+                &["actuator.return_spring=retract", "actuator.return_spring_preload_n=1500"],
+                "actuator.return_spring_preload_n",
+            ),
+            (
+                &["actuator.return_spring=extend", "actuator.return_spring_stiffness_n_per_m=9e3"],
+                "actuator.return_spring_preload_n",
+            ),
         ] {
             let refusal = refusal(settings);
             assert!(refusal.contains(&format!("{key}: the supply cannot hold the load")), "{refusal}");

@@ -27,6 +27,7 @@ mod physics;
 mod ranges;
 mod reference;
 mod rests_outside;
+mod return_spring;
 mod runner;
 mod shut_ports;
 mod supervision;

@@ -43,7 +43,12 @@ const VARIANTS: &[(&str, &[&str])] = &[
     ("servo-b-tuned", &["valve.model=multiple-flow-node"]),
     (
         "servo-b-tuned",
-        &["valve.model=single-restriction", "valve.discharge_model=perry", "tubing.model=analytical"],
+        &[
+            "valve.model=single-restriction",
+            "valve.discharge_model=perry",
+            "tubing.model=analytical",
+            "actuator.return_spring=retract",
+        ],
     ),
     (
         "servo-b",

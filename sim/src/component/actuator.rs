@@ -14,6 +14,7 @@
 //! as printed they lose mass with leakage (EQUATIONS section 5).
 
 pub mod leakage;
+pub mod spring;
 pub(crate) mod walls;
 
 use std::f64::consts::PI;

@@ -1,14 +1,16 @@
 //! The load: a mass with friction between two stops (thesis 6.2).
 //!
 //! ```text
-//! M y'' = F_a + F_const - k y - M g sin(incline) - K_C y' + L_e - F_r     (6.31)
+//! M y'' = F_a + F_const - k y + F_s - M g sin(incline) - K_C y' + L_e - F_r     (6.31)
 //! ```
 //!
-//! Positive means extension. F_const acts along +y (EQUATIONS section 6); L_e is the force of the end stops
+//! Positive means extension. F_const acts along +y (EQUATIONS section 6); F_s is the force of a return spring in the cylinder
+//! ([`crate::component::actuator::spring`]). It is linear like k, so a [`Load`] has both springs in one. L_e is the force of the end stops
 //! ([`crate::component::stop`]), F_r the friction except its viscous part ([`crate::component::friction`]). The applied
 //! force is everything except F_r; it decides whether a stuck load breaks away.
 
 use crate::component::actuator;
+use crate::component::actuator::spring::ReturnSpring;
 use crate::component::friction::{Body, Contact, Friction, FrictionModel, States};
 use crate::component::stop::{Side, Stops};
 use crate::key::{keys, words};
@@ -36,11 +38,12 @@ impl Load {
     #[must_use]
     pub fn of(rig: &Rig) -> Load {
         let mass = rig.get(&keys::MASS_KG);
+        let inside = ReturnSpring::of(rig);
         Load {
             mass,
             viscous: rig.get(&keys::VISCOUS_N_S_PER_M),
-            constant_force: rig.get(&keys::CONSTANT_FORCE_N),
-            spring: rig.get(&keys::SPRING_N_PER_M),
+            constant_force: rig.get(&keys::CONSTANT_FORCE_N) + inside.force_at_0,
+            spring: rig.get(&keys::SPRING_N_PER_M) + inside.stiffness,
             uphill: libm::sin(rig.get(&keys::INCLINE_DEG).to_radians()),
             friction: Friction::of(rig),
             stops: Stops::of_load(rig, rig.get(&actuator::keys::STROKE_M), mass),
@@ -58,9 +61,9 @@ pub struct Load {
     pub mass: f64,
     /// K_C, N s/m (C(18)).
     pub viscous: f64,
-    /// F_const, N, along +y (C(19)).
+    /// F_const (C(19)) and the return spring's force at y = 0, N, along +y.
     pub constant_force: f64,
-    /// k, N/m, from y = 0.
+    /// k of both springs, N/m.
     pub spring: f64,
     /// Sine of the incline: of the angle at which extension goes uphill.
     pub uphill: f64,
@@ -88,7 +91,7 @@ impl Load {
         self.mass * GRAVITY * self.uphill
     }
 
-    /// The forces that depend on neither velocity nor contact, N: constant force, spring, weight.
+    /// The forces that depend on neither velocity nor contact, N: constant force, springs, weight.
     #[must_use]
     pub fn standing_force(&self, position: f64) -> f64 {
         self.constant_force - self.spring * position - self.weight()

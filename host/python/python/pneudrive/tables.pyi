@@ -515,6 +515,15 @@ class Actuator(Table):
     @property
     def wall_temperature_k(self) -> float:
         """Temperature of the chambers' walls, K."""
+    @property
+    def return_spring(self) -> str:
+        """The end to which a spring in the cylinder pushes the piston."""
+    @property
+    def return_spring_preload_n(self) -> float:
+        """Force of the return spring at the end that it pushes to; a round number, not of a real cylinder, N."""
+    @property
+    def return_spring_stiffness_n_per_m(self) -> float:
+        """Stiffness of the return spring; a round number, not of a real cylinder, N/m."""
 
 class Load(Table):
     @property
@@ -869,6 +878,9 @@ class RigKeys(TypedDict, total=False):
     actuator__passage_clearance_m: float
     actuator__heat_transfer_w_per_m2_k: float
     actuator__wall_temperature_k: float
+    actuator__return_spring: str
+    actuator__return_spring_preload_n: float
+    actuator__return_spring_stiffness_n_per_m: float
     load__model: str
     load__mass_kg: float
     load__viscous_n_s_per_m: float
@@ -993,6 +1005,8 @@ class RigKeys(TypedDict, total=False):
     actuator__residual_volume_2: str
     actuator__passage_clearance: str
     actuator__wall_temperature: str
+    actuator__return_spring_preload: str
+    actuator__return_spring_stiffness: str
     load__mass: str
     load__viscous: str
     load__constant_force: str

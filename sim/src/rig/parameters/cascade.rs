@@ -26,6 +26,7 @@ mod spool;
 use pneudrive_controller::parameters::id;
 
 use crate::component::actuator::Actuator;
+use crate::component::actuator::spring::ReturnSpring;
 use crate::component::encoder::pulse;
 use crate::component::load::Load;
 use crate::component::operator::OperatorKind;
@@ -179,10 +180,17 @@ impl Drive {
             (id::CASCADE_STICTION, part(stiction)),
             (id::CASCADE_VISCOUS, fixed(self.load.viscous * self.count / self.period / self.force, 30)),
             (id::CASCADE_WEIGHT, part(self.load.weight())),
-            (id::CASCADE_STANDING_FORCE, part(-self.load.constant_force)),
+            (id::CASCADE_STANDING_FORCE, part(self.standing_force(rig))),
             (id::CASCADE_WAY_ACCELERATION, fixed(self.flow_share * pull * per_force, 16)),
             (id::CASCADE_LEARNING_NOISE, part(FORCE_NOISE * self.exhaust * self.actuator.area_1)),
         ]
+    }
+
+    /// What stands against extension beside the weight, N. The law knows no force that depends on the position: a return spring counts
+    /// with its force in the middle of the stroke, and the law learns the rest.
+    fn standing_force(&self, rig: &Rig) -> f64 {
+        let inside = ReturnSpring::of(rig);
+        -(rig.get(&keys::load::CONSTANT_FORCE_N) + inside.force(0.5 * self.actuator.stroke))
     }
 
     fn sensors(&self, rig: &Rig) -> Vec<(u16, i32)> {
