@@ -12,7 +12,7 @@ const OPACITY: u8 = 0x38;
 const GAP: f64 = 0.03;
 
 /// How many names one legend above all graphs may have; with more, each graph has a legend of its own beside it.
-const MOST_IN_ONE_LEGEND: usize = 8;
+const MAX_IN_ONE_LEGEND: usize = 8;
 
 /// Axes in the order of their first use.
 #[derive(Default)]
@@ -54,7 +54,7 @@ fn plot<'a>(figure: &'a Figure, runs: &str, axes: &mut Axes<'a>) -> Value {
     }
     let config = json!({ "responsive": true, "displaylogo": false });
     let mut layout = layout(figure);
-    if traces.iter().filter(|trace| trace["showlegend"] == true).count() > MOST_IN_ONE_LEGEND {
+    if traces.iter().filter(|trace| trace["showlegend"] == true).count() > MAX_IN_ONE_LEGEND {
         give_legends(&mut traces, &mut layout, figure.panels.len());
     }
     if !runs.is_empty() {
@@ -210,10 +210,10 @@ mod tests {
             let panel = Panel::new("", (0..count).map(curve).collect());
             plots(std::iter::once(&Figure::over_time(vec![panel.clone(), panel])), "")["plots"][0].clone()
         };
-        let (few, many) = (of(MOST_IN_ONE_LEGEND / 2), of(MOST_IN_ONE_LEGEND));
+        let (few, many) = (of(MAX_IN_ONE_LEGEND / 2), of(MOST_IN_ONE_LEGEND));
         assert!(few["data"][0]["legend"].is_null() && few["layout"]["legend2"].is_null());
         assert_eq!(few["layout"]["legend"]["orientation"], "h");
-        let legends = [0, MOST_IN_ONE_LEGEND].map(|k| many["data"][k]["legend"].clone());
+        let legends = [0, MAX_IN_ONE_LEGEND].map(|k| many["data"][k]["legend"].clone());
         assert_eq!(legends, [json!("legend"), json!("legend2")]);
         for (legend, axis) in [("legend", "yaxis"), ("legend2", "yaxis2")] {
             assert_eq!(
