@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! cargo build --release -p pneudrive
-//! cargo run --release -p pneudrive --example recovery -- 100 shipped|any|scaled|lacking|quiet|quiet-lacking [FIRST SEED]
+//! cargo run --release -p pneudrive --example recovery -- 100 shipped|any|live|scaled|lacking|quiet|quiet-lacking [FIRST SEED]
 //! ```
 //!
 //! Each rig is served and identified by the program itself, as a user does it. The tables of docs/howto/identification.md
@@ -18,7 +18,9 @@ use anyhow::{Context, Result, bail, ensure};
 
 use hidden_rigs::Hidden;
 use hidden_rigs::coverage::Coverage;
-use hidden_rigs::rigs::{any_rig, lacking_rig, quiet_lacking_rig, quiet_rig, scaled_rig, shipped_rig};
+use hidden_rigs::rigs::{
+    any_rig, lacking_rig, live_rig, quiet_lacking_rig, quiet_rig, scaled_rig, shipped_rig,
+};
 
 /// The program, which cargo builds into the folder above that of its examples.
 fn program() -> Result<PathBuf> {
@@ -40,12 +42,13 @@ fn main() -> Result<()> {
     let draw: fn(u64) -> Hidden = match argument(2).as_deref() {
         None | Some("shipped") => shipped_rig,
         Some("any") => any_rig,
+        Some("live") => live_rig,
         Some("scaled") => scaled_rig,
         Some("lacking") => lacking_rig,
         Some("quiet") => quiet_rig,
         Some("quiet-lacking") => quiet_lacking_rig,
         Some(other) => {
-            bail!("there are shipped, any, scaled, lacking, quiet and quiet-lacking rigs, not {other}")
+            bail!("there are shipped, any, live, scaled, lacking, quiet and quiet-lacking rigs, not {other}")
         }
     };
     let program = program()?;

@@ -16,7 +16,6 @@ use nalgebra::{DMatrix, DVector};
 use super::least_squares::Problem;
 use super::limits::Limit;
 use super::model::{FittedModel, Job, stacked};
-use super::recording::STARTS;
 
 /// Difference in u of an initial state for a derivative: a tenth of a count.
 const DIFFERENCE_OF_START: f64 = 0.01;
@@ -86,7 +85,7 @@ impl FittedModel<'_> {
     fn recordings_of(&self, unknown: usize) -> Range<usize> {
         match unknown.checked_sub(self.parameters.len()) {
             None => 0..self.recordings.len(),
-            Some(i) => i / STARTS..i / STARTS + 1,
+            Some(i) => i / self.starts..i / self.starts + 1,
         }
     }
 

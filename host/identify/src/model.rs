@@ -18,12 +18,21 @@ use super::ChannelFit;
 use super::budget::Budget;
 use super::limits::Limit;
 use super::parameter::Parameter;
-use super::recording::{CHANNELS, Channel, Recording, STARTS, reading};
+use super::recording::{CHANNELS, Channel, Recording, STARTS, reading, starts_of};
 use pneudrive_evaluate::cancel::CancelToken;
 use pneudrive_evaluate::parallel;
 
 /// What u = 1 is of a quantity of an initial state, counts; its prior standard deviation.
 const COUNTS: f64 = 10.0;
+
+/// The same of the side of a hysteresis, of which no place is more likely than another: 1 / sqrt(3).
+const SIDE: f64 = 0.577_350_269_189_625_8;
+
+/// The same of the temperature of a chamber, K: what a second of rest leaves of the warmth of a move.
+const KELVINS: f64 = 10.0;
+
+/// In the order of an initial state.
+const OF_START: [f64; STARTS] = [COUNTS, COUNTS, COUNTS, KELVINS, KELVINS, SIDE];
 
 /// Longest step of a search along a quantity of an initial state, in u.
 const LONGEST_OF_START: f64 = 0.3;
@@ -50,6 +59,8 @@ pub(super) struct FittedModel<'a> {
     pub recordings: &'a [Recording],
     /// The first of the unknowns, in the order of u.
     pub parameters: Vec<Parameter>,
+    /// Quantities of an initial state that are unknown.
+    pub starts: usize,
     /// Accuracy of the runs.
     accuracy: Accuracy,
     /// sigma of each channel, counts.
@@ -93,6 +104,7 @@ impl<'a> FittedModel<'a> {
             rig: rig.clone(),
             recordings,
             parameters,
+            starts: starts_of(rig),
             accuracy,
             noise: first_noise(recordings),
             share: 1.0,
@@ -115,7 +127,7 @@ impl<'a> FittedModel<'a> {
 
     /// Number of unknowns.
     pub fn unknowns(&self) -> usize {
-        self.parameters.len() + STARTS * self.recordings.len()
+        self.parameters.len() + self.starts * self.recordings.len()
     }
 
     /// Runs of a recording so far.
@@ -145,10 +157,10 @@ impl<'a> FittedModel<'a> {
         })
     }
 
-    /// How far the initial state of a recording is off the measured one at a point, counts.
+    /// How far the initial state of a recording is off the measured one at a point, counts, and the side of its hysteresis.
     pub fn start_at(&self, u: &[f64], recording: usize) -> [f64; STARTS] {
-        let first = self.parameters.len() + STARTS * recording;
-        std::array::from_fn(|i| COUNTS * u[first + i])
+        let first = self.parameters.len() + self.starts * recording;
+        std::array::from_fn(|i| if i < self.starts { OF_START[i] * u[first + i] } else { 0.0 })
     }
 
     /// The calibration errors at a point.
@@ -168,7 +180,8 @@ impl<'a> FittedModel<'a> {
         self.cancel.check()?;
         let recording = &self.recordings[job.recording];
         self.runs.fetch_add(1, Ordering::Relaxed);
-        let start = recording.start(self.start_at(job.u, job.recording), &self.calibration_at(job.u));
+        let off = self.start_at(job.u, job.recording);
+        let start = recording.start(&self.rig, off, &self.calibration_at(job.u));
         let values = self.values_at(job.u).chain(start).collect::<Vec<_>>();
         let rig = self.rig.with_numbers(&values)?;
         let samples = self.samples(recording);
@@ -283,7 +296,12 @@ impl<'a> FittedModel<'a> {
             [Limit::at_least(i, low), Limit::at_most(i, high)]
         });
         let frictions = FRICTIONS.iter().filter_map(|(coulomb, stiction)| self.below(coulomb, stiction));
-        ranges.chain(frictions).filter(|limit| limit.bound.is_finite()).collect()
+        // A side is from -1 to 1.
+        let first = self.parameters.len();
+        let sides =
+            (first..self.unknowns()).filter(|i| self.starts == STARTS && (i - first) % STARTS == STARTS - 1);
+        let sides = sides.flat_map(|i| [Limit::at_least(i, -1.0 / SIDE), Limit::at_most(i, 1.0 / SIDE)]);
+        ranges.chain(frictions).chain(sides).filter(|limit| limit.bound.is_finite()).collect()
     }
 
     /// The value of one key is not above that of another, where either is fitted.

@@ -8,9 +8,10 @@ use pneudrive_controller::parameters::id;
 use pneudrive_protocol::RecordedSample;
 use pneudrive_records::target::TargetFile;
 use pneudrive_sim::component::friction::{Friction, FrictionModel};
-use pneudrive_sim::component::operator;
+use pneudrive_sim::component::operator::{self, hysteresis};
 use pneudrive_sim::component::sensors::calibration::Calibration;
 use pneudrive_sim::follow::{Followed, Reading, Timing, follow, follow_within};
+use pneudrive_sim::key::Key;
 use pneudrive_sim::keys;
 use pneudrive_sim::{Accuracy, Rig};
 
@@ -23,9 +24,14 @@ use encoder::independent;
 pub const CHANNELS: [(&str, &str); 4] =
     [("position", "mm"), ("pressure 1", "kPa"), ("pressure 2", "kPa"), ("spool", "mm")];
 
-/// The keys of an initial state.
+/// The keys of an initial state that sensors measure.
 const KEYS_OF_START: [&str; 3] =
     [keys::test::POSITION_M.key.path, keys::test::PRESSURE_1_PA.key.path, keys::test::PRESSURE_2_PA.key.path];
+
+/// Those that none measures: the temperatures that the last move has left, and the side of the hysteresis on which its last command
+/// has left the spool.
+const UNMEASURED: [&Key; 3] =
+    [&keys::test::TEMPERATURE_1_K.key, &keys::test::TEMPERATURE_2_K.key, &keys::test::HYSTERESIS_SIDE.key];
 
 /// The dry friction of a load, and the part of the file's that may be left of it: it is known to a factor of two.
 const DRY_FRICTION: [&str; 4] = [
@@ -45,8 +51,16 @@ const MAX_PERIOD_ERROR: f64 = 0.5;
 /// Variance up to which a converter is taken to have no noise of its own, squares of a count.
 const ROUNDING_ALONE: f64 = 0.15;
 
-/// Quantities of an initial state.
-pub const STARTS: usize = KEYS_OF_START.len();
+/// Quantities of an initial state: first those that are measured.
+pub const STARTS: usize = KEYS_OF_START.len() + UNMEASURED.len();
+
+/// How many of them a rig has, the first ones. A spool without hysteresis has no side, and a dither wider than that leaves none.
+#[must_use]
+pub(super) fn starts_of(rig: &Rig) -> usize {
+    let remembers = rig.get(&keys::operator::MODEL).is_solenoid()
+        && 1e3 * hysteresis::half_width(rig) > rig.get(&keys::dither::DITHER_MM);
+    if remembers { STARTS } else { STARTS - 1 }
+}
 
 /// Fewest samples at rest under an unchanged command that a record begins with.
 pub(super) const FEWEST_AT_REST: usize = 16;
@@ -100,7 +114,7 @@ pub struct Recording {
     /// The channels, in the order of [`CHANNELS`].
     pub channels: [Channel; CHANNELS.len()],
     /// Position, m, and pressures, Pa, of the first sample.
-    pub start: [f64; STARTS],
+    pub start: [f64; KEYS_OF_START.len()],
 }
 
 impl Rest {
@@ -196,17 +210,28 @@ impl Recording {
         Ok(Recording { name: name.to_owned(), timing, commands, channels, start })
     }
 
-    /// The initial state of which sensors with these errors read what is `off` the one that was measured, in counts: its
-    /// values, each with its key.
-    pub fn start(&self, off: [f64; STARTS], calibration: &Calibration) -> [(&'static str, f64); STARTS] {
-        let read: [f64; STARTS] = std::array::from_fn(|i| self.start[i] + off[i] * self.channels[i].scale);
+    /// The initial state of a rig of which sensors with these errors read what is `off` the one that was measured, in counts, and
+    /// of which what no sensor measures is `off` the file's: its values, each with its key.
+    pub fn start(
+        &self,
+        rig: &Rig,
+        off: [f64; STARTS],
+        calibration: &Calibration,
+    ) -> impl Iterator<Item = (&'static str, f64)> + use<> {
+        let read: [f64; 3] = std::array::from_fn(|i| self.start[i] + off[i] * self.channels[i].scale);
         let values = if calibration.is_exact() {
             read
         } else {
             let (position, [one, two]) = calibration.true_values(read[0], [read[1], read[2]]);
             [position, one, two]
         };
-        std::array::from_fn(|i| (KEYS_OF_START[i], values[i]))
+        let unmeasured = UNMEASURED
+            .into_iter()
+            .zip(&off[KEYS_OF_START.len()..])
+            .take(starts_of(rig) - KEYS_OF_START.len());
+        let unmeasured: Vec<_> =
+            unmeasured.map(|(key, off)| (key.path, rig.number_at(key.path).unwrap_or(0.0) + off)).collect();
+        KEYS_OF_START.into_iter().zip(values).chain(unmeasured)
     }
 
     /// What the sensors of `rig` would read under the first `samples` commands; no more than `most` evaluations of the

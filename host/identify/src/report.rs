@@ -241,7 +241,8 @@ pub fn page(
 ) -> Page {
     let overlay = |(recording, start): (&Recording, &[f64; STARTS])| {
         let follow = |rig: &Rig| -> Result<_> {
-            let started = rig.with_numbers(&recording.start(*start, &Calibration::of_rig(rig)))?;
+            let started = rig
+                .with_numbers(&recording.start(rig, *start, &Calibration::of_rig(rig)).collect::<Vec<_>>())?;
             recording.follow(&started, accuracy, recording.commands.len(), u64::MAX).0
         };
         Some(figure(recording, &follow(rig).ok()?, &follow(&found.rig).ok()?))

@@ -36,6 +36,8 @@ pub struct Hidden {
     pub lacks: Option<String>,
     /// Whether the virtual rig has neither spread nor noise: its file has the hidden values.
     pub quiet: bool,
+    /// Whether it goes on between the tests, as a real one does: each begins with what the one before has left of warmth and hysteresis.
+    pub live: bool,
     /// Fixes the spread and the noise.
     pub seed: u64,
 }
@@ -103,7 +105,7 @@ impl Hidden {
         fs::write(folder.join("model.toml"), &self.model)?;
         fs::write(folder.join("real.toml"), &self.real)?;
         let truth = self.truth()?;
-        let served = Served::start(program, folder, (!self.quiet).then_some(self.seed))?;
+        let served = Served::start(self, program, folder)?;
         let begun = Instant::now();
         let mut command = Command::new(program);
         command.current_dir(folder).args(["identify", "model.toml", "--plan", &served.port]);
@@ -207,14 +209,14 @@ struct Served {
 }
 
 impl Served {
-    /// With the spread and the noise of a seed, or with neither.
-    fn start(program: &Path, folder: &Path, seed: Option<u64>) -> Result<Served> {
+    fn start(hidden: &Hidden, program: &Path, folder: &Path) -> Result<Served> {
         let spread = format!("{}%", 100.0 * HIDDEN);
         let mut command = Command::new(program);
-        command.current_dir(folder).args(["virtual", "real.toml", "--listen", "tcp:127.0.0.1:0", "--fast"]);
-        if let Some(seed) = seed {
-            command.args(["--spread", &spread, "--seed", &seed.to_string()]);
+        command.current_dir(folder).args(["virtual", "real.toml", "--listen", "tcp:127.0.0.1:0"]);
+        if !hidden.quiet {
+            command.args(["--spread", &spread, "--seed", &hidden.seed.to_string()]);
         }
+        command.arg(if hidden.live { "--live" } else { "--fast" });
         let mut program = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn()?;
         let mut line = String::new();
         let terminal = program.stdout.take().context("a pipe")?;

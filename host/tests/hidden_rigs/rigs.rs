@@ -77,7 +77,20 @@ pub fn shipped_rig(seed: u64) -> Hidden {
     let mut draw = Draw(ChaCha8Rng::seed_from_u64(seed));
     let model = format!("{EXACT}operator.dither_mm = 0.26\ntest.position_m = 0.15\n");
     let real = format!("{model}{}", draw.rest());
-    Hidden { name: "servo-b".to_owned(), model, real, lacks: None, quiet: false, seed }
+    Hidden { name: "servo-b".to_owned(), model, real, lacks: None, quiet: false, live: false, seed }
+}
+
+/// A drive by its data sheets in the middle of its stroke, which goes on between its tests.
+///
+/// # Panics
+/// When there is none of that name.
+#[must_use]
+pub fn live_rig(seed: u64) -> Hidden {
+    let press = pneudrive_sim::rigfile::builtin("press").expect("a built-in rig");
+    let is_place = |line: &&str| !line.starts_with("position_m") && !line.starts_with("moves_mm");
+    let model: String = press.lines().filter(is_place).map(|line| format!("{line}\n")).collect();
+    let model = format!("{model}position_m = 0.125005\nmoves_mm = [[0.0, 125.0]]\n");
+    Hidden { name: "press".to_owned(), real: model.clone(), model, lacks: None, quiet: false, live: true, seed }
 }
 
 /// Any cylinder, of 25 to 63 mm bore and 100 to 500 mm stroke, with a rod to one side, to both, or none, and a valve of
@@ -117,7 +130,7 @@ pub fn any_rig(seed: u64) -> Hidden {
     );
     let real = format!("{model}{}", draw.rest());
     let name = format!("{operator}, {rod}, {bore} mm, {:.0} mm, dither {dither} mm", 1e3 * stroke);
-    Hidden { name, model, real, lacks: None, quiet: false, seed }
+    Hidden { name, model, real, lacks: None, quiet: false, live: false, seed }
 }
 
 /// The text of a rig file in the making; sizes are over those of servo-drive B.

@@ -16,7 +16,7 @@
 pub mod amplifier;
 mod closed_form;
 pub mod empirical;
-pub(crate) mod hysteresis;
+pub mod hysteresis;
 mod moving_hysteresis;
 pub mod on_off;
 pub mod request;

@@ -59,10 +59,10 @@ pub(crate) struct Play {
 }
 
 impl Play {
-    /// A play at rest at 0 (EQUATIONS section 11 rule 4).
+    /// A play at rest, whose output is held at `output`: at 0 where nothing says otherwise (EQUATIONS section 11 rule 4).
     #[must_use]
-    pub fn new(half_width: f64) -> Play {
-        Play { half_width, branch: Branch::Held(0.0) }
+    pub fn held(half_width: f64, output: f64) -> Play {
+        Play { half_width, branch: Branch::Held(output) }
     }
 
     /// The present branch.
@@ -143,7 +143,7 @@ mod tests {
 
     #[test]
     fn the_output_follows_with_the_slack_and_keeps_its_place_within_it() {
-        let mut play = Play::new(0.05);
+        let mut play = Play::held(0.05, 0.0);
         assert!((driven(&mut play, &[0.0, 0.25]) - 0.2).abs() < 1e-15);
         assert!((driven(&mut play, &[0.25, 0.2]) - 0.2).abs() < 1e-15, "within the slack nothing moves");
         assert!((driven(&mut play, &[0.2, 0.0]) - 0.05).abs() < 1e-15);
@@ -151,7 +151,7 @@ mod tests {
 
     #[test]
     fn a_branch_ends_where_its_guard_says() {
-        let mut play = Play::new(0.05);
+        let mut play = Play::held(0.05, 0.0);
         assert!(play.guards(0.05 - 1e-13, 1.0)[0] > 0.0 && play.guards(0.05 + 1e-13, 1.0)[0] < 0.0);
         assert!(play.guards(-0.05 + 1e-13, -1.0)[1] > 0.0 && play.guards(-0.05 - 1e-13, -1.0)[1] < 0.0);
         play.turn(0.05);
@@ -165,7 +165,7 @@ mod tests {
 
     #[test]
     fn without_slack_the_output_is_the_input() {
-        let mut play = Play::new(0.0);
+        let mut play = Play::held(0.0, 0.0);
         assert_eq!(driven(&mut play, &[0.0, 0.3, -0.2]), -0.2);
         assert_eq!(play.guards(-0.2, -5.0), [1.0; 2]);
     }

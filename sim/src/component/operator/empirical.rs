@@ -31,7 +31,7 @@ impl Empirical {
             saturation: rig.get(&amplifier::keys::SATURATION_MM) * 1e-3,
             stiffness_per_mass: rig.get(&keys::STIFFNESS_PER_MASS_PER_S2),
             damping_per_mass: rig.get(&keys::DAMPING_PER_S),
-            hysteresis_half_width: hysteresis::half_width(rig),
+            play: hysteresis::at_start(rig),
             dither,
             travel: spool_travel(rig),
         })
@@ -51,8 +51,8 @@ pub struct EmpiricalParameters {
     pub stiffness_per_mass: f64,
     /// K_D, 1/s (C(51)).
     pub damping_per_mass: f64,
-    /// Half of the width of the hysteresis loop, m.
-    pub hysteresis_half_width: f64,
+    /// The hysteresis at the start, m.
+    pub(crate) play: Play,
     /// Dither on the spool position, m.
     pub dither: Dither,
     /// X_max, m (C(3)).
@@ -78,7 +78,7 @@ impl Empirical {
     /// A solenoid with its spool at rest at mid-travel and a null command.
     #[must_use]
     pub fn new(parameters: EmpiricalParameters) -> Empirical {
-        let mut play = Play::new(parameters.hysteresis_half_width);
+        let mut play = parameters.play;
         play.jump(0.0, parameters.dither.value(0.0), parameters.dither.direction(0.0));
         Empirical { parameters, counts: 0.0, play, limited: false, flight: None }
     }
@@ -184,7 +184,7 @@ mod tests {
             saturation: 1e-3,
             stiffness_per_mass: 36_000.0,
             damping_per_mass: 100.0,
-            hysteresis_half_width: 0.05e-3,
+            play: Play::held(0.05e-3, 0.0),
             dither: Dither { amplitude: 0.0, frequency_hz: 50.0, phase_cycles: 0.0 },
             travel: 1e-3,
         })

@@ -8,6 +8,7 @@ use crate::component::dither::{CREST, Dither, TROUGH};
 use crate::component::play::{Branch, Motion, Play};
 use crate::component::valve::spool_travel;
 use crate::key::keys;
+use crate::schedule::keys as test;
 use crate::values::Rig;
 
 keys! {
@@ -15,8 +16,14 @@ keys! {
 }
 
 /// Half of the hysteresis loop, m: the loop is `hysteresis_percent` of the spool's range wide, from end to end.
-pub(crate) fn half_width(rig: &Rig) -> f64 {
+#[must_use]
+pub fn half_width(rig: &Rig) -> f64 {
     rig.get(&keys::HYSTERESIS_PERCENT) / 100.0 * spool_travel(rig)
+}
+
+/// The play of a rig's operator at the start of its test.
+pub(super) fn at_start(rig: &Rig) -> Play {
+    Play::held(half_width(rig), rig.get(&test::HYSTERESIS_SIDE) * half_width(rig))
 }
 
 /// Play on a command plus dither, all in m of spool travel.
@@ -30,9 +37,9 @@ pub(crate) struct Hysteresis {
 }
 
 impl Hysteresis {
-    /// At rest at 0, with the command `command` from t = 0.
-    pub fn new(half_width: f64, dither: Dither, command: f64) -> Hysteresis {
-        let mut hysteresis = Hysteresis { play: Play::new(half_width), dither, command, next: f64::INFINITY };
+    /// At rest as the play is, with the command `command` from t = 0.
+    pub fn new(play: Play, dither: Dither, command: f64) -> Hysteresis {
+        let mut hysteresis = Hysteresis { play, dither, command, next: f64::INFINITY };
         hysteresis.jump(0.0, command);
         hysteresis
     }
@@ -166,7 +173,7 @@ mod tests {
         // more than that.
         for w in [0.0, 0.05, 0.1, 0.199, 0.2, 0.3] {
             for until in [0.003, 0.005, 0.0117, 0.015, 0.04, 0.0951] {
-                let got = follow(&mut Hysteresis::new(w, DITHER, 0.0), until);
+                let got = follow(&mut Hysteresis::new(Play::held(w, 0.0), DITHER, 0.0), until);
                 let expected = brute_force(|_| 0.0, w, until);
                 assert!((got - expected).abs() < 1e-6, "w {w} at {until}: {got} {expected}");
             }
@@ -177,7 +184,7 @@ mod tests {
     fn a_jump_of_the_command_drags_the_output_only_as_far_as_the_slack_is_used_up() {
         for jump in [-0.7, -0.06, -0.01, 0.01, 0.06, 0.7] {
             for at in [0.0021, 0.006, 0.0123, 0.0178] {
-                let mut hysteresis = Hysteresis::new(0.05, DITHER, 0.0);
+                let mut hysteresis = Hysteresis::new(Play::held(0.05, 0.0), DITHER, 0.0);
                 follow(&mut hysteresis, at);
                 hysteresis.jump(at, jump);
                 let got = follow(&mut hysteresis, 0.033);
@@ -191,7 +198,7 @@ mod tests {
     #[test]
     fn an_output_at_an_extremum_of_the_dither_is_held_not_driven() {
         let at = 0.085; // sample 65: 65 * 1.3 ms + 0.5 ms, a crest of the dither
-        let mut hysteresis = Hysteresis::new(0.05, DITHER, 0.0);
+        let mut hysteresis = Hysteresis::new(Play::held(0.05, 0.0), DITHER, 0.0);
         follow(&mut hysteresis, at - 1e-5);
         hysteresis.jump(at, 0.1);
         assert_eq!(hysteresis.play.branch(), Branch::Held(0.1 + 0.2 - 0.05));
@@ -201,7 +208,7 @@ mod tests {
     #[test]
     fn without_dither_nothing_happens_between_outputs() {
         let still = Dither { amplitude: 0.0, ..DITHER };
-        let mut hysteresis = Hysteresis::new(0.05, still, 0.0);
+        let mut hysteresis = Hysteresis::new(Play::held(0.05, 0.0), still, 0.0);
         assert_eq!(hysteresis.next_time_event(), f64::INFINITY);
         hysteresis.jump(1.0, 0.25);
         assert_eq!((hysteresis.next_time_event(), hysteresis.output(1.0)), (f64::INFINITY, 0.2));

@@ -40,16 +40,9 @@ pub(crate) struct MovingHysteresis {
 }
 
 impl MovingHysteresis {
-    /// At rest at 0, before its first command (EQUATIONS section 11 rule 4).
-    pub fn new(half_width: f64, dither: Dither, limit: f64) -> MovingHysteresis {
-        MovingHysteresis {
-            play: Play::new(half_width),
-            dither,
-            limit,
-            range: Range::Linear,
-            demand: 0.0,
-            demand_rate: 0.0,
-        }
+    /// At rest as the play is, before its first command (EQUATIONS section 11 rule 4).
+    pub fn new(play: Play, dither: Dither, limit: f64) -> MovingHysteresis {
+        MovingHysteresis { play, dither, limit, range: Range::Linear, demand: 0.0, demand_rate: 0.0 }
     }
 
     fn command(&self) -> f64 {
@@ -161,7 +154,7 @@ mod tests {
     const DITHER: Dither = Dither { amplitude: 0.2, ..STILL };
 
     fn driven_to(demand: f64, rate: f64, dither: Dither) -> MovingHysteresis {
-        let mut hysteresis = MovingHysteresis::new(0.05, dither, 1.0);
+        let mut hysteresis = MovingHysteresis::new(Play::held(0.05, 0.0), dither, 1.0);
         hysteresis.jump(0.0, demand, rate);
         hysteresis
     }
@@ -206,7 +199,7 @@ mod tests {
     /// EQUATIONS section 11 rule 3: the second derivative decides, not a rounded cosine.
     #[test]
     fn a_command_that_jumps_at_a_crest_of_the_dither_and_rests_is_held() {
-        let mut hysteresis = MovingHysteresis::new(0.05, DITHER, 1.0);
+        let mut hysteresis = MovingHysteresis::new(Play::held(0.05, 0.0), DITHER, 1.0);
         hysteresis.jump(0.085, 0.3, 0.0);
         assert_eq!(hysteresis.play.branch(), Branch::Held(0.3 + 0.2 - 0.05));
     }

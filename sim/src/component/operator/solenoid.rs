@@ -68,7 +68,7 @@ impl Solenoid {
     #[must_use]
     pub fn new(parameters: SolenoidParameters) -> Solenoid {
         let p = &parameters;
-        let hysteresis = Hysteresis::new(p.hysteresis_half_width, p.dither, 0.0);
+        let hysteresis = Hysteresis::new(p.play, p.dither, 0.0);
         let mut solenoid = Solenoid::stuck(parameters, Magnetism::Stepped(hysteresis));
         solenoid.set_off(0.0, SpoolState::default(), 0.0);
         solenoid
@@ -79,7 +79,7 @@ impl Solenoid {
     #[must_use]
     pub fn with_moving_command(parameters: SolenoidParameters) -> Solenoid {
         let p = &parameters;
-        let hysteresis = MovingHysteresis::new(p.hysteresis_half_width, p.dither, p.limit());
+        let hysteresis = MovingHysteresis::new(p.play, p.dither, p.limit());
         Solenoid::stuck(parameters, Magnetism::Moving(hysteresis))
     }
 
@@ -310,6 +310,7 @@ impl Solenoid {
 mod tests {
     use super::*;
     use crate::component::friction::DryFriction;
+    use crate::component::play::Play;
     use crate::component::stop::Stops;
 
     fn thesis() -> Solenoid {
@@ -317,7 +318,7 @@ mod tests {
             travel_per_count: 1e-3 / 2048.0,
             amplifier_gain: 1.0,
             saturation: 1e-3,
-            hysteresis_half_width: 0.05e-3,
+            play: Play::held(0.05e-3, 0.0),
             dither: Dither { amplitude: 0.2e-3, frequency_hz: 50.0, phase_cycles: 0.0 },
             force_gain: 25e3,
             spring: 25e3,

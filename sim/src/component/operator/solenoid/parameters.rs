@@ -3,6 +3,7 @@
 use crate::component::dither::Dither;
 use crate::component::friction::DryFriction;
 use crate::component::operator::{self, OperatorKind, amplifier, hysteresis, within_range};
+use crate::component::play::Play;
 use crate::component::stop::Stops;
 use crate::component::valve::flow_force::FlowForce;
 use crate::component::valve::spool_travel;
@@ -30,7 +31,7 @@ impl SolenoidParameters {
             travel_per_count: travel / 2048.0,
             amplifier_gain: rig.get(&amplifier::keys::AMPLIFIER_GAIN),
             saturation: rig.get(&amplifier::keys::SATURATION_MM) * 1e-3,
-            hysteresis_half_width: hysteresis::half_width(rig),
+            play: hysteresis::at_start(rig),
             dither,
             force_gain: rig.get(&keys::FORCE_GAIN_N_PER_MM) * 1e3,
             spring: rig.get(&keys::SPRING_N_PER_MM) * 1e3,
@@ -82,8 +83,8 @@ pub struct SolenoidParameters {
     pub amplifier_gain: f64,
     /// C(38), m.
     pub saturation: f64,
-    /// Half of the width of the hysteresis loop, m.
-    pub hysteresis_half_width: f64,
+    /// The hysteresis at the start, m.
+    pub(crate) play: Play,
     /// Dither of the amplifier, m of spool travel.
     pub dither: Dither,
     /// G_s, N/m.
