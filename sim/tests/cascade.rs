@@ -2,6 +2,7 @@
 
 mod doubt;
 mod endurance;
+mod in_motion;
 mod redirected;
 mod thesis;
 
@@ -85,6 +86,8 @@ struct Drive {
     period: f64,
     count: f64,
     start: i32,
+    /// How long the plant has run before, s.
+    before: f64,
 }
 
 impl Drive {
@@ -118,6 +121,7 @@ impl Drive {
             period: number("controller.period_s"),
             count,
             start,
+            before: 0.0,
         }
     }
 
@@ -131,7 +135,7 @@ impl Drive {
             sample(&self.config, sequence, &mut self.state, &seen);
             let command = output(&self.config, &mut self.state);
             let time = f64::from(k) * self.period;
-            let position = self.plant.look(time).expect("a state").position;
+            let position = self.plant.look(self.before + time).expect("a state").position;
             see(time, position);
             seen = self.plant.advance(command).expect("a sample");
         }

@@ -90,7 +90,15 @@ pub fn live_rig(seed: u64) -> Hidden {
     let is_place = |line: &&str| !line.starts_with("position_m") && !line.starts_with("moves_mm");
     let model: String = press.lines().filter(is_place).map(|line| format!("{line}\n")).collect();
     let model = format!("{model}position_m = 0.125005\nmoves_mm = [[0.0, 125.0]]\n");
-    Hidden { name: "press".to_owned(), real: model.clone(), model, lacks: None, quiet: false, live: true, seed }
+    Hidden {
+        name: "press".to_owned(),
+        real: model.clone(),
+        model,
+        lacks: None,
+        quiet: false,
+        live: true,
+        seed,
+    }
 }
 
 /// Any cylinder, of 25 to 63 mm bore and 100 to 500 mm stroke, with a rod to one side, to both, or none, and a valve of

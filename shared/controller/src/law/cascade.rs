@@ -27,8 +27,8 @@
 //! knows of its drive is in its parameters, which `pneudrive-sim` makes of a rig file.
 //!
 //! A way begins from the motion that there is: at a new setpoint, and when the valve has been short of what is asked for 8 ms. A load
-//! above 100 mm/s that would pass its target is stopped first. A
-//! profile is followed as it comes. Where it begins, where it jumps and where the valve has been short, a way of the deviation joins
+//! above 100 mm/s that would pass its target is stopped first. So does a run that begins while the load moves, which its second sample
+//! tells. A profile is followed as it comes. Where it begins, where it jumps and where the valve has been short, a way of the deviation joins
 //! it. A load that stands at the end of its way, or creeps within 40 um of its target, rests.
 
 // An index that may lie outside is a panic, and whether a compiler sees that it never does differs from image to image.
@@ -95,6 +95,19 @@ pub struct Settings {
     under_way: i32,
     /// 100 mm/s, Q16: a load that is too fast for its target is stopped first.
     fast: i32,
+    /// 0.5 mm, counts: a load that is so near to an end of the stroke may press on it.
+    near_end: i32,
+}
+
+/// How far a run has begun.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Begun {
+    /// It has seen no sample.
+    No,
+    /// It has seen one, from which it takes the load to be at rest.
+    Once,
+    /// The step from that to the second has told.
+    Yes,
 }
 
 /// What the load does.
@@ -111,8 +124,8 @@ enum Phase {
 /// What it remembers from sample to sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Cascade {
-    /// Whether it has seen a sample.
-    begun: bool,
+    /// The first samples, until it is known whether the load moved as the run began.
+    begun: Begun,
     target: i32,
     phase: Phase,
     way: Way,
@@ -144,7 +157,7 @@ pub struct Cascade {
 impl Default for Cascade {
     fn default() -> Cascade {
         Cascade {
-            begun: false,
+            begun: Begun::No,
             target: 0,
             phase: Phase::Rest { held: 0, centre: 0 },
             way: Way::default(),
@@ -193,6 +206,7 @@ impl Settings {
             late: samples(8000, period_us),
             under_way: product(speed, 1311, 16),
             fast: product(speed, 6554, 16),
+            near_end: quotient(500_000_000, count_pm) as i32,
             air,
             load,
         }
@@ -236,10 +250,29 @@ impl Cascade {
         self.flow = Flow::new(force);
         self.lag = Lag::new(&settings.lag);
         self.doubt = Doubt::new(force);
-        (self.begun, self.target) = (true, count);
+        (self.begun, self.target) = (Begun::Once, count);
         self.rest.begin(count);
         // What holds it is not known before it has moved.
         self.phase = Phase::Rest { held: force, centre: force };
+    }
+
+    /// The second sample of a run. A load that has gone two counts in it, and faster than a valve moves a load from rest, moved before:
+    /// by all that a sample tells, it goes on as it has.
+    #[cold]
+    #[inline(never)]
+    fn begin_again(&mut self, settings: &Settings, count: i32, reference: &Reference, force: i32) {
+        self.begun = Begun::Yes;
+        let step = count.saturating_sub(self.motion.count());
+        let speed = number::within(step, 1 << 14) << 16;
+        if step.unsigned_abs() < 2 || speed.saturating_abs() < settings.under_way {
+            return;
+        }
+        self.load = Load::in_motion(&settings.load, step, force);
+        self.motion = Motion::going(count, step, force, &self.load);
+        self.flow = Flow::new(force);
+        self.lag = Lag::new(&settings.lag);
+        self.target = count.saturating_add(reference.error);
+        self.set_off(settings, force);
     }
 
     /// The force, of which sensors with a lag show an older one.
@@ -277,10 +310,14 @@ impl Cascade {
                 self.doubt.stray(&settings.doubt, is_at_bound);
             }
         }
-        self.air = settings.air.at((self.motion.x >> 16) as i32, pressures);
+        let x = (self.motion.x >> 16) as i32;
+        self.air = settings.air.at(x, pressures);
         if self.motion.stuck {
             self.load.forget();
         } else {
+            if count <= settings.near_end || count >= settings.air.stroke.saturating_sub(settings.near_end) {
+                self.load.lose();
+            }
             self.load.learn(&settings.load, step, self.motion.v, force, self.for_load);
         }
         missed
@@ -473,12 +510,14 @@ impl ControlLaw for Cascade {
         let null = measured.null(config);
         self.valve.sense(&settings.valve, measured.spool, null);
         let force = self.unhidden(settings, settings.air.force(pressures));
-        if !self.begun {
-            self.begin_at(settings, count, force);
+        match self.begun {
+            Begun::No => self.begin_at(settings, count, force),
+            Begun::Once => self.begin_again(settings, count, &reference, force),
+            Begun::Yes => {}
         }
         let missed = self.observe(settings, count, measured.pressures, pressures, force);
         self.plan(settings, count, &reference, force);
-        if !self.motion.stuck && !self.for_load {
+        if !self.motion.stuck && !self.for_load && !self.load.is_lost() {
             self.lag.learn(&settings.lag, missed);
         }
         let (rate, least) = self.rate(settings, &reference, force);

@@ -1,6 +1,6 @@
 //! What the law knows at a sample, to be looked at. Nothing of it is used by the law itself.
 
-use super::{Cascade, Phase, motion};
+use super::{Begun, Cascade, Phase, motion};
 
 /// What the load does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,7 +56,7 @@ impl Cascade {
             Phase::Profile => (Stage::Profile, (self.reference.x, self.reference.v)),
         };
         let [force, wanted] = self.forces;
-        self.begun.then_some(Known {
+        (self.begun != Begun::No).then_some(Known {
             stage,
             reference,
             motion: (self.motion.x, self.motion.v),

@@ -27,6 +27,9 @@ const SPREAD: i32 = 19_661;
 const BOUNDS: [[i32; 2]; 4] =
     [[-41_943_040, 83_886_080], [-39_146_837, 55_924_053], [-8 * ONE, 8 * ONE], [-ONE, 4 * ONE]];
 
+/// What is left of a beginning of which nothing is known, 64 times as much as of one at which a load breaks away: in 27 ms it is as much.
+const LOST: Filter = [64 * ONE; 3];
+
 /// What it knows beforehand.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Constants {
@@ -157,6 +160,20 @@ impl Load {
         load
     }
 
+    /// The same of a load that moves by this step under this force: nothing is learned before the filters have forgotten that they
+    /// began with neither acceleration nor its force.
+    pub(super) fn in_motion(constants: &Constants, step: i32, force: i32) -> Load {
+        let slide = constants.coulomb(step.signum());
+        Load {
+            speed: [within(step, 1 << 14) << 16; 3],
+            pushed: [force; 3],
+            rubbed: [slide; 3],
+            left: LOST,
+            runs: true,
+            ..Load::new(constants)
+        }
+    }
+
     /// Whether mass or standing force is at a bound.
     pub(super) fn is_at_bound(&self) -> bool {
         let ([of_mass, _, of_force, _], [mass, _, force, _]) = (&BOUNDS, &self.squares.unknown);
@@ -199,6 +216,17 @@ impl Load {
         self.runs = false;
     }
 
+    /// An end of the stroke pushes a load back with a force that nobody knows: nothing is learned until the filters have forgotten it.
+    pub(super) fn lose(&mut self) {
+        self.left = LOST;
+    }
+
+    /// Whether they have not yet.
+    #[inline(always)]
+    pub(super) fn is_lost(&self) -> bool {
+        self.left[2] > ONE
+    }
+
     /// A sample in motion: the step of the count, the speed (Q16) and the force (Q24); `is_for_load`: whether it is one to learn by.
     pub(super) fn learn(
         &mut self,
@@ -229,7 +257,7 @@ impl Load {
         let left = pass(&mut self.left, 0, pole);
         let mean = (before >> 1) + (after >> 1);
         let goes_on = (mean > 0) == (speed > 0) && mean.unsigned_abs() > constants.fast.unsigned_abs();
-        if is_for_load && goes_on {
+        if is_for_load && goes_on && !self.is_lost() {
             self.fit(constants, [after.saturating_sub(before), mean, force, slide], left);
             self.take_over(constants);
         }

@@ -96,6 +96,25 @@ impl Motion {
         }
     }
 
+    /// A load that has gone this step to a count; d is what is known beforehand.
+    pub(super) fn going(count: i32, step: i32, force: i32, load: &Load) -> Motion {
+        let before = count.saturating_sub(step);
+        Motion {
+            x: middle(before),
+            v: within(step, 1 << 14) << 16,
+            d: within(load.standing, ONE),
+            stuck: false,
+            still: 0,
+            count: before,
+            last_force: force,
+        }
+    }
+
+    /// The count of the last sample.
+    pub(super) fn count(&self) -> i32 {
+        self.count
+    }
+
     /// Takes a sample; returns the step of the count.
     pub(super) fn observe(
         &mut self,
