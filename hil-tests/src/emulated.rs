@@ -1,5 +1,6 @@
 //! The emulated board as an execution level, and the builds for it.
 
+use std::net::TcpListener;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
@@ -39,6 +40,14 @@ impl QemuTarget {
     /// When the image cannot be run.
     pub fn start_image(rig: &Rig, image: &Path) -> Result<QemuTarget> {
         QemuTarget::commission(EmulatedBoard::start(rig, image, 0)?, rig)
+    }
+
+    /// The same in real time, at a port that the caller has chosen.
+    ///
+    /// # Errors
+    /// When the image cannot be built or run.
+    pub fn serve(rig: &Rig, listener: TcpListener) -> Result<QemuTarget> {
+        QemuTarget::commission(EmulatedBoard::serve(rig, image()?, 0, listener)?, rig)
     }
 
     fn commission(board: EmulatedBoard, rig: &Rig) -> Result<QemuTarget> {
@@ -114,6 +123,14 @@ pub fn program() -> Result<PathBuf> {
 /// When it cannot be built.
 pub fn board_runner() -> Result<PathBuf> {
     Ok(built(&["--example", "board"])?.join("examples").join("board"))
+}
+
+/// The program that serves the emulated board at a port, built as [`program`].
+///
+/// # Errors
+/// When it cannot be built.
+pub fn board_server() -> Result<PathBuf> {
+    Ok(built(&["--example", "serve"])?.join("examples").join("serve"))
 }
 
 /// Builds a program, by itself or as one that a test runs, and tells the folder of its profile.

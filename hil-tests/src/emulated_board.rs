@@ -76,7 +76,7 @@ impl EmulatedBoard {
     /// When QEMU is missing, or the image is invalid or of another version.
     pub fn start(rig: &Rig, image: &Path, seed: u64) -> Result<EmulatedBoard> {
         let plant = PlantSide::Simulated { rig: Box::new(rig.clone()), seed, in_step: false };
-        EmulatedBoard::switched_on(image, plant)
+        EmulatedBoard::switched_on(image, plant, free_port()?)
     }
 
     /// The same, with its plant in step with the wall clock: the timeout for host silence is active.
@@ -84,8 +84,16 @@ impl EmulatedBoard {
     /// # Errors
     /// As [`EmulatedBoard::start`].
     pub fn start_in_step(rig: &Rig, image: &Path, seed: u64) -> Result<EmulatedBoard> {
+        EmulatedBoard::serve(rig, image, seed, free_port()?)
+    }
+
+    /// The same at a port that the caller has chosen.
+    ///
+    /// # Errors
+    /// As [`EmulatedBoard::start`].
+    pub fn serve(rig: &Rig, image: &Path, seed: u64, listener: TcpListener) -> Result<EmulatedBoard> {
         let plant = PlantSide::Simulated { rig: Box::new(rig.clone()), seed, in_step: true };
-        EmulatedBoard::switched_on(image, plant)
+        EmulatedBoard::switched_on(image, plant, listener)
     }
 
     /// Starts an image whose plant is at a separate port, as with a real board; also returns the name of that port. A plant
@@ -96,11 +104,10 @@ impl EmulatedBoard {
     pub fn start_without_plant(image: &Path) -> Result<(EmulatedBoard, String)> {
         let listener = TcpListener::bind("127.0.0.1:0").context("no port for the plant bus")?;
         let port = format!("tcp://{}", listener.local_addr()?);
-        Ok((EmulatedBoard::switched_on(image, PlantSide::Port(listener))?, port))
+        Ok((EmulatedBoard::switched_on(image, PlantSide::Port(listener), free_port()?)?, port))
     }
 
-    fn switched_on(image: &Path, plant: PlantSide) -> Result<EmulatedBoard> {
-        let listener = TcpListener::bind("127.0.0.1:0").context("no port for the emulated board")?;
+    fn switched_on(image: &Path, plant: PlantSide, listener: TcpListener) -> Result<EmulatedBoard> {
         let port = format!("tcp://{}", listener.local_addr()?);
         let (figures, flash) = (Arc::new(Mutex::new(Figures::default())), PersistentFlash::default());
         let late = LateSample::default();
@@ -161,6 +168,14 @@ impl EmulatedBoard {
         stall::stall(&self.power.folder.path().join(DEBUGGER))
     }
 
+    /// Whether the emulator still runs.
+    ///
+    /// # Errors
+    /// When the system does not tell.
+    pub fn is_on(&self) -> Result<bool> {
+        Ok(lock(&self.power.qemu).try_wait()?.is_none())
+    }
+
     /// Switches the board off.
     ///
     /// # Errors
@@ -171,6 +186,11 @@ impl EmulatedBoard {
             None => Ok(()),
         }
     }
+}
+
+/// A port of this machine that nobody else has.
+fn free_port() -> Result<TcpListener> {
+    TcpListener::bind("127.0.0.1:0").context("no port for the emulated board")
 }
 
 /// Serves the plant bus until the board has gone; signals when the board has sent its hello.

@@ -48,7 +48,7 @@ use pneudrive_rigs::virtual_rig::{Background, Listener, Pace, VirtualRig};
 use pneudrive_sim::Rig;
 
 #[cfg(unix)]
-pub use emulated::{QemuTarget, board_runner, image, program};
+pub use emulated::{QemuTarget, board_runner, board_server, image, program};
 pub use service::commission;
 
 /// How long an execution level on this machine may keep silent: a busy machine lets its threads and processes wait.

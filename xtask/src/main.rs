@@ -67,6 +67,15 @@ enum Command {
         #[arg(long)]
         tag: bool,
     },
+    /// Serve the emulated board at a port, with the plant of a rig beside it, for `pneudrive ... --port tcp://HOST:PORT`:
+    /// the firmware's image on a Cortex-M4 in QEMU, in real time, until Ctrl-C
+    Board {
+        /// A built-in rig or a rig file: its plant, its parameters
+        rig: String,
+        /// The address
+        #[arg(long, value_name = "HOST:PORT", default_value = "127.0.0.1:4000")]
+        listen: String,
+    },
     /// Run the test bodies on the board that PNEUDRIVE_BOARD names (hil-tests/src/board.rs)
     Hil {
         /// Only bodies with one of these words in their name
@@ -126,6 +135,7 @@ fn main() -> ExitCode {
         Command::Web { out } => steps::web(&mut tally, out),
         Command::Book { out } => steps::book(&mut tally, out),
         Command::Dist { out, twice, tag } => dist::make(&mut tally, out, dist::Extras { twice, tag }),
+        Command::Board { rig, listen } => steps::board(&mut tally, &rig, &listen),
         Command::Hil { bodies } => steps::hil(&mut tally, &bodies),
         Command::Flashed { write } => steps::flashed(&mut tally, write),
         Command::Soak { seconds } => steps::soak(&mut tally, seconds),

@@ -417,6 +417,26 @@ pub fn hil(tally: &mut Tally, bodies: &[String]) {
     tally.check("tests on the board", || example("board", &bodies));
 }
 
+/// The emulated board at a port, until it is interrupted.
+pub fn board(tally: &mut Tally, rig: &str, listen: &str) {
+    tally.check("target of the boards", cargo::ensure_thumb_target);
+    tally.check("emulator", || QEMU.ensure());
+    tally.check("the emulated board", || {
+        // The program runs in the root of the project.
+        let file = std::path::absolute(rig)?;
+        let rig = if file.is_file() { file.to_str().context("the name of the rig file")? } else { rig };
+        in_place(&mut call_of("serve", &[rig, listen]))
+    });
+}
+
+/// Goes on as another program, for which Ctrl-C is then meant.
+fn in_place(command: &mut Command) -> Result<()> {
+    #[cfg(unix)]
+    return Err(std::os::unix::process::CommandExt::exec(command).into());
+    #[cfg(not(unix))]
+    run(command)
+}
+
 /// A long run in the emulator.
 pub fn soak(tally: &mut Tally, seconds: u32) {
     tally.check("emulator", || QEMU.ensure());
@@ -438,8 +458,12 @@ pub fn bless(tally: &mut Tally, cause: &str) {
 
 /// Runs a program of hil-tests.
 fn example(name: &str, arguments: &[&str]) -> Result<()> {
+    run(&mut call_of(name, arguments))
+}
+
+fn call_of(name: &str, arguments: &[&str]) -> Command {
     let run_it = ["run", "--package", "pneudrive-hil-tests", "--example", name, "--"];
-    run(&mut in_root(&[&run_it, arguments].concat()))
+    in_root(&[&run_it, arguments].concat())
 }
 
 /// The checks of CI.
