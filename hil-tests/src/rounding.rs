@@ -4,11 +4,10 @@
 use std::fs;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
 use anyhow::{Context, Result, bail, ensure};
-use pneudrive_build::cargo::{image_folder, root};
-use pneudrive_build::firmware;
+use pneudrive_build::cargo::image_folder;
+use pneudrive_build::{firmware, sources};
 use pneudrive_sim::Rig;
 
 use crate::{QemuTarget, Target, body};
@@ -37,7 +36,7 @@ pub fn prove() -> Result<String> {
 /// When it cannot be built, or the rounding is not found.
 pub fn changed(image: &str) -> Result<PathBuf> {
     let copy = tempfile::tempdir().context("no folder for a copy of the sources")?;
-    copy_sources(copy.path())?;
+    sources::copy(copy.path())?;
     change(&copy.path().join(FILE))?;
     firmware::build_in(&copy.path().join("firmware"), &image_folder()?.join("rounding"), image)
 }
@@ -47,19 +46,6 @@ pub fn changed(image: &str) -> Result<PathBuf> {
 pub fn rig() -> Rig {
     let moves = "test.moves=[[0.0, 8192], [0.3, 16384]]";
     body::rig("servo-b-tuned", &["test.duration_s=1", moves])
-}
-
-/// What is in the repository, as it is now.
-fn copy_sources(to: &Path) -> Result<()> {
-    let listed = Command::new("git").current_dir(root()).args(["ls-files", "-z"]).output();
-    let listed = listed.context("git can't be started: the sources are copied by its list")?;
-    ensure!(listed.status.success(), "git ls-files: {}", String::from_utf8_lossy(&listed.stderr));
-    for name in String::from_utf8(listed.stdout)?.split_terminator('\0') {
-        let target = to.join(name);
-        fs::create_dir_all(target.parent().unwrap_or(to))?;
-        fs::copy(root().join(name), &target).with_context(|| name.to_owned())?;
-    }
-    Ok(())
 }
 
 fn change(file: &Path) -> Result<()> {

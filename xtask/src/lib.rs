@@ -28,6 +28,7 @@
 //! | [`stack`] | the most stack that a function of an image takes |
 //! | [`frame`] | the stack use of an instruction |
 //! | [`thumb`] | the instructions of a section, as far as the verdict needs them |
+//! | `first_component` | tries the component that a page has its reader type |
 //! | `structure`, `documents` | tests of the sources' structure, and of what the documents say of files |
 
 pub mod axe;
@@ -38,6 +39,8 @@ pub mod dist;
 #[cfg(test)]
 mod documents;
 pub mod examples;
+#[cfg(test)]
+mod first_component;
 pub mod flashed;
 pub mod fmu;
 pub mod forbidden;
