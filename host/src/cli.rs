@@ -317,7 +317,7 @@ pub struct Replay {
     /// The rig that was recorded, for what its law knew: a built-in rig or a rig file, with controller.law = "cascade"
     #[arg(long, value_name = "RIG", requires = "out")]
     pub rig: Option<String>,
-    /// Replace a value of that rig; repeatable
+    /// Change a key of that rig, such as load.mass_kg=2.5; may be repeated
     #[arg(long = "set", value_name = "KEY=VALUE", requires = "rig")]
     pub settings: Vec<String>,
     /// Write what the law knew at each sample to this table (CSV)

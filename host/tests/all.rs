@@ -16,6 +16,7 @@ mod files_of_others;
 mod fixtures;
 mod fmu;
 mod from_transient;
+mod help;
 mod hidden_rigs;
 mod hostile;
 mod hostile_rig;

@@ -56,6 +56,14 @@ fn bash_completes_commands_options_and_values() {
 }
 
 #[test]
+fn no_help_shows_the_backslash_of_its_source() {
+    for command in all_commands() {
+        let printed = transcript(folder().path(), &format!("{command} --help"));
+        assert!(!printed.contains('\\'), "{command}: {printed}");
+    }
+}
+
+#[test]
 fn every_shell_has_completions_with_every_command() {
     let folder = folder();
     for (shell, begins) in [

@@ -148,9 +148,26 @@ pub struct Merge {
     pub pages: Pages,
 }
 
+/// The smallest file of a sweep that shows something.
+const SWEEP_FILE: &str = "\
+A sweep file:
+
+  rig = \"press\"                       # or a rig file beside this one
+
+  [vary]
+  load.mass_kg = [4, 8, 12]           # or { from = 4, to = 12, steps = 9 }
+
+  [metrics]
+  settling_s = \"settling_s\"           # of the worst move; one of the figures below
+  overshoot_mm = \"overshoot_mm\"
+
+It may also have [set], [draw], [objective] and [constraints] (docs/DESIGN.md, docs/examples/sweep-load.toml).
+
+";
+
 fn figures() -> String {
     let lines = FIGURES.iter().map(|figure| format!("  {:<22}{}\n", figure.name, figure.meaning));
-    format!("Figures of a move:\n{}", lines.collect::<String>())
+    format!("{SWEEP_FILE}Figures of a move:\n{}", lines.collect::<String>())
 }
 
 fn shard(text: &str) -> Result<Shard, String> {

@@ -67,7 +67,7 @@ pub struct Import {
     /// The meaning of the columns: a TOML file
     #[arg(long, value_name = "MAP.toml")]
     pub columns: PathBuf,
-    /// Time between samples, such as \"1 ms\" [default: that of the log if it is even, else the rig's]
+    /// Time between samples, such as "1 ms" [default: that of the log if it is even, else the rig's]
     #[arg(long, value_name = "TIME", value_parser = period)]
     pub period: Option<f64>,
     /// Folder for the next free TARGETxx.DAT

@@ -10,9 +10,10 @@ use clap_complete::Shell;
 #[command(after_help = "\
 Where a shell looks for it:
 
-  bash   pneudrive completions bash > ~/.local/share/bash-completion/completions/pneudrive
-  zsh    pneudrive completions zsh > ~/.zfunc/_pneudrive      (with fpath+=~/.zfunc before compinit)
-  fish   pneudrive completions fish > ~/.config/fish/completions/pneudrive.fish")]
+  mkdir -p ~/.local/share/bash-completion/completions ~/.zfunc ~/.config/fish/completions
+  pneudrive completions bash > ~/.local/share/bash-completion/completions/pneudrive
+  pneudrive completions zsh > ~/.zfunc/_pneudrive      (with fpath+=~/.zfunc before compinit)
+  pneudrive completions fish > ~/.config/fish/completions/pneudrive.fish")]
 pub struct Completions {
     /// The shell
     #[arg(value_enum)]
@@ -22,9 +23,10 @@ pub struct Completions {
 /// Arguments of `man`.
 #[derive(Debug, Args)]
 #[command(after_help = "\
-A folder that man looks at:
+A folder that man looks at, if ~/.local/bin is on the path:
 
-  pneudrive man --out ~/.local/share/man/man1 && man pneudrive-simulate")]
+  pneudrive man --out ~/.local/share/man/man1
+  man pneudrive-simulate")]
 pub struct Man {
     /// Folder for pneudrive.1, pneudrive-simulate.1 and so on
     #[arg(long, value_name = "DIR")]
