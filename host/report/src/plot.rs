@@ -210,7 +210,7 @@ mod tests {
             let panel = Panel::new("", (0..count).map(curve).collect());
             plots(std::iter::once(&Figure::over_time(vec![panel.clone(), panel])), "")["plots"][0].clone()
         };
-        let (few, many) = (of(MAX_IN_ONE_LEGEND / 2), of(MOST_IN_ONE_LEGEND));
+        let (few, many) = (of(MAX_IN_ONE_LEGEND / 2), of(MAX_IN_ONE_LEGEND));
         assert!(few["data"][0]["legend"].is_null() && few["layout"]["legend2"].is_null());
         assert_eq!(few["layout"]["legend"]["orientation"], "h");
         let legends = [0, MAX_IN_ONE_LEGEND].map(|k| many["data"][k]["legend"].clone());
