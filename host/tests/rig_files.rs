@@ -63,6 +63,24 @@ fn a_rig_whose_test_cannot_be_simulated_is_refused_by_the_key_that_causes_it() {
     assert!(looked.status.success(), "its values alone are in order");
 }
 
+/// Without a spring a single-acting cylinder is a valid rig: a program beside it may move the load.
+#[test]
+fn a_piston_that_nothing_brings_back_is_remarked() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("single.toml");
+    let told = |spring: &str| {
+        fs::write(&file, format!("[actuator]\nvented = \"chamber-2\"\n{spring}")).expect("written");
+        printed(&pneudrive(&["rig", "check", "--quick", &file.to_string_lossy()]))
+    };
+    let alone = told("");
+    assert!(
+        alone.contains("the least force that pushes it back is 0 N") && alone.contains("a valid rig"),
+        "{alone}"
+    );
+    let with = told("return_spring = \"retract\"\n");
+    assert!(!with.contains("come back") && with.contains("a valid rig"), "{with}");
+}
+
 #[test]
 fn two_rigs_differ_key_by_key() {
     let text = printed(&pneudrive(&["rig", "diff", "servo-b", "servo-b-tuned"]));

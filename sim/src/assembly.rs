@@ -207,11 +207,14 @@ impl Assembly {
         let carried = self.carried(&nodes, &air);
         let leak = self.parts.actuator.leak(gas, &air).entering();
         let holes = self.through_holes(&air);
-        let [masses, mut exners] = air.derivative(gas, volumes, [(flows, carried), leak, holes]);
+        let [mut masses, mut exners] = air.derivative(gas, volumes, [(flows, carried), leak, holes]);
         if let Some(rate) =
             self.parts.actuator.exner_rate_of_heat(gas, x[slot::POSITION], volumes.volume, &air)
         {
             exners += rate;
+        }
+        if let Some(vent) = &self.parts.actuator.vent {
+            [masses, exners] = vent.hold(gas, &volumes, [masses, exners]);
         }
         let mut slope = [0.0; STATES];
         for i in 0..2 {

@@ -3,6 +3,7 @@
 pub use crate::component::actuator::keys as actuator;
 pub use crate::component::actuator::leakage::keys as leakage;
 pub use crate::component::actuator::spring::keys as return_spring;
+pub use crate::component::actuator::vent::keys as vent;
 pub use crate::component::actuator::walls::keys as walls;
 pub use crate::component::controller::keys as controller;
 pub use crate::component::dither::keys as dither;

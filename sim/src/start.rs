@@ -1,9 +1,10 @@
 //! The state in which a test begins.
 
 use crate::component::actuator::spring::{self, ReturnSpring};
+use crate::component::actuator::vent::{self, Vent, VentedKind};
 use crate::component::actuator::{self, Actuator};
 use crate::component::load::{self, Load};
-use crate::component::{friction, supply};
+use crate::component::{exhaust, friction, supply};
 use crate::key::Key;
 use crate::schedule::keys as test;
 use crate::values::{Findings, Rig};
@@ -20,33 +21,48 @@ impl Start {
     /// The start of a rig's test.
     pub fn of(rig: &Rig) -> Start {
         let pressure_1 = rig.get(&test::PRESSURE_1_PA).unwrap_or_else(|| equilibrium_pressure_1(rig));
-        Start {
+        let mut start = Start {
             position: rig.get(&test::POSITION_M),
             pressures: [pressure_1, rig.get(&test::PRESSURE_2_PA)],
             temperatures: [rig.get(&test::TEMPERATURE_1_K), rig.get(&test::TEMPERATURE_2_K)],
+        };
+        if let Some(Vent { chamber, pressure, temperature }) = Vent::of(rig) {
+            (start.pressures[chamber], start.temperatures[chamber]) = (pressure, temperature);
         }
+        start
     }
 }
 
 /// P_1 at which the load of a rig is in equilibrium at the start of its test, Pa.
 fn equilibrium_pressure_1(rig: &Rig) -> f64 {
     let standing = Load::of(rig).standing_force(rig.get(&test::POSITION_M));
-    Actuator::of(rig).balancing_pressure_1(rig.get(&test::PRESSURE_2_PA), -standing)
+    let pressure_2 = Vent::of(rig).map_or_else(|| rig.get(&test::PRESSURE_2_PA), |vent| vent.pressure);
+    Actuator::of(rig).balancing_pressure_1(pressure_2, -standing)
+}
+
+/// The same of P_2 beside a chamber 1 that is vented.
+pub(crate) fn equilibrium_pressure_2(rig: &Rig) -> f64 {
+    let standing = Load::of(rig).standing_force(rig.get(&test::POSITION_M));
+    Actuator::of(rig).balancing_pressure_2(rig.get(&exhaust::keys::PRESSURE_PA), -standing)
 }
 
 /// The constraints on the start of a test.
 pub(crate) fn check(rig: &Rig, findings: &mut Findings) {
     let why = "the test starts within the stroke";
     findings.not_above(rig, &test::POSITION_M, &actuator::keys::STROKE_M, why);
-    if rig.get(&test::PRESSURE_1_PA).is_some() {
+    let retracts = rig.get(&vent::keys::VENTED) == VentedKind::Chamber1;
+    let given =
+        if retracts { rig.is_set(&test::PRESSURE_2_PA) } else { rig.get(&test::PRESSURE_1_PA).is_some() };
+    if given {
         return;
     }
     if let Some((key, message)) = beyond_the_supply(rig) {
         findings.note(key, message);
         return;
     }
+    // A vented chamber 1 leaves P_2 to be found, and the supply can hold the load.
     let balanced = equilibrium_pressure_1(rig);
-    if !(1e4..=5e6).contains(&balanced) {
+    if !retracts && !(1e4..=5e6).contains(&balanced) {
         let message = format!(
             "no pressure in chamber 1 balances it at the start (it would be {balanced:.0} Pa); give test.pressure_1_pa"
         );
@@ -66,8 +82,13 @@ fn beyond_the_supply(rig: &Rig) -> Option<(&'static Key, String)> {
         return None;
     }
     let message = format!(
-        "the supply cannot hold the load at the start: it pulls with {:.0} N, and the cylinder holds {air:.0} N at most; take less load, more supply or a larger bore, or give test.pressure_1_pa where it rests on a stop",
-        standing.abs()
+        "the supply cannot hold the load at the start: it pulls with {:.0} N, and the cylinder holds {air:.0} N at most; take less load, more supply or a larger bore, or give {} where it rests on a stop",
+        standing.abs(),
+        if rig.get(&vent::keys::VENTED) == VentedKind::Chamber1 {
+            "test.pressure_2_pa"
+        } else {
+            "test.pressure_1_pa"
+        },
     );
     Some((pulls_most(rig, &load), message))
 }

@@ -30,6 +30,7 @@ mod rests_outside;
 mod return_spring;
 mod runner;
 mod shut_ports;
+mod single_acting;
 mod supervision;
 mod valve_columns;
 mod vessel;

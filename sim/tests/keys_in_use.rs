@@ -56,6 +56,7 @@ const VARIANTS: &[(&str, &[&str])] = &[
             "valve.flow_force=experimental",
             "actuator.leakage=adiabatic",
             "actuator.heat_transfer_w_per_m2_k=100.0",
+            "actuator.vented=chamber-2",
         ],
     ),
     (

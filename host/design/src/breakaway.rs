@@ -100,14 +100,24 @@ impl Drive {
 
     /// The largest force in a direction.
     fn held(&self, extends: bool) -> f64 {
-        (self.supply - self.exhaust) * self.areas(extends)[0]
+        if self.open(extends)[0] { 0.0 } else { (self.supply - self.exhaust) * self.areas(extends)[0] }
+    }
+
+    /// Whether the chamber that is filled is open to the surroundings, and that which is vented: in a single-acting cylinder
+    /// one of them.
+    fn open(&self, extends: bool) -> [bool; 2] {
+        let open = [0, 1].map(|i| self.actuator.is_vented(i));
+        if extends { open } else { [open[1], open[0]] }
     }
 
     /// t from a pressure in the vented chamber; None: not within [`UNTIL_S`].
     fn time(&self, extends: bool, place: f64, vented: f64) -> Option<f64> {
         let [least, needed] = self.forces(extends, place);
         let [to, from] = self.areas(extends);
+        let open = self.open(extends);
+        let vented = if open[1] { self.exhaust } else { vented };
         let filled = (least + vented * from + self.exhaust * (to - from)) / to;
+        let filled = if open[0] { self.exhaust } else { filled };
         let mut pressures =
             [filled.clamp(self.exhaust, self.supply), vented.clamp(self.exhaust, self.supply)];
         let volumes = self.actuator.volumes(place, 0.0).map(|volume| volume.volume);
@@ -119,7 +129,7 @@ impl Drive {
                 return Some(f64::from(step) * STEP_S);
             }
             let [filled, vented] = pressures;
-            let into = flow(&self.paths[0], self.supply, filled.min(self.supply));
+            let into = if open[0] { 0.0 } else { flow(&self.paths[0], self.supply, filled.min(self.supply)) };
             let out = flow(&self.paths[1], vented, self.exhaust.min(vented));
             pressures = [
                 (filled + STEP_S * rate * into / volumes[0]).min(self.supply),
@@ -206,6 +216,30 @@ mod tests {
         let rate = gas.heat_capacity_ratio * gas.gas_constant * temperature * flow / volume;
         let expected = 0.4e5 / rate;
         assert!((time - expected).abs() <= 2.0 * STEP_S, "{time} s, and {expected} s by the closed form");
+    }
+
+    /// A spring alone retracts it: the supply has nothing to add.
+    #[test]
+    fn a_single_acting_cylinder_needs_a_spring_that_outweighs_its_friction() {
+        let of = |settings: &[&str]| {
+            let rig = rig(&[
+                ("bore", "32 mm"),
+                ("rod", "12 mm"),
+                ("stroke", "100 mm"),
+                ("mass", "2 kg"),
+                ("valve", "proportional-5-3-350"),
+            ]);
+            let others =
+                ["actuator.vented=chamber-2", "controller.law=gain-profile", "load.static_retract_n=60"];
+            let rig = rig.with_settings(&[&others[..], settings].concat());
+            Breakaway::of(&rig.unwrap_or_else(|problems| panic!("{problems}"))).expect("known")
+        };
+        let alone = of(&[]);
+        assert!(!alone.is_possible() && alone.held == 0.0 && alone.time.is_none(), "{alone:?}");
+        let spring = |preload: &str| of(&["actuator.return_spring=retract", preload]);
+        assert!(!spring("actuator.return_spring_preload_n=50").is_possible());
+        let strong = spring("actuator.return_spring_preload_n=90");
+        assert!(strong.is_possible() && strong.time.is_some_and(|time| time < 0.5), "{strong:?}");
     }
 
     #[test]

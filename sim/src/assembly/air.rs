@@ -60,7 +60,10 @@ impl Assembly {
     #[inline(always)]
     fn solve(&mut self, t: f64, x: &StateVector, air: &ChamberAir<Pair>) -> Nodes {
         let openings = self.parts.valve.openings(self.spool_to_lands(t, x));
-        let conductances = self.restrictions.at(openings, self.lands.open);
+        let mut conductances = self.restrictions.at(openings, self.lands.open);
+        if let Some(port) = self.plugged_port() {
+            conductances = conductances.plugged(port);
+        }
         if self.parts.valve.laws_follow_spool() {
             self.follow_map(t, x);
         }
@@ -103,7 +106,14 @@ impl Assembly {
         if self.parts.faults.now.swapped_tubes { Pair::new([each.lane(1), each.lane(0)]) } else { each }
     }
 
-    /// The flows into the chambers through their ports, kg/s.
+    /// The port without a tube, of the chamber that is vented.
+    #[inline(always)]
+    fn plugged_port(&self) -> Option<usize> {
+        let vented = self.parts.actuator.vent.as_ref()?.chamber;
+        Some(if self.parts.faults.now.swapped_tubes { 1 - vented } else { vented })
+    }
+
+    /// The flows into the chambers through their ports, kg/s. A vent is no port.
     ///
     /// Reading has no side effect: the network continues from where the integrator left it.
     pub fn port_flows(&mut self, t: f64, x: &StateVector) -> Pair {
@@ -129,7 +139,8 @@ impl Assembly {
     pub fn port_flows_of(&self, masses: Pair, air: &ChamberAir<Pair>) -> Pair {
         let (leaks, _) = self.parts.actuator.leak(&self.parts.gas, air).entering();
         let (holes, _) = self.through_holes(air);
-        masses - leaks - holes
+        let flows = masses - leaks - holes;
+        self.parts.actuator.vent.map_or(flows, |vent| vent.with(flows, 0.0))
     }
 
     /// The temperatures of the air in the tubes into or out of the chambers. While charging it is the temperature of

@@ -198,6 +198,11 @@ impl Equations {
         assembly.solved = None;
         let parts = &assembly.parts;
         let mut states = MOTION_AND_AIR.to_vec();
+        if let Some(vent) = &parts.actuator.vent {
+            // Its air has the state of the surroundings.
+            let vented = [PRESSURE[vent.chamber], TEMPERATURE[vent.chamber]];
+            states.retain(|State(_, place, _)| !vented.contains(place));
+        }
         states.extend(SPOOL.iter().filter(|_| matches!(spool_law, SpoolLaw::Moves { .. })));
         states.extend(TUBES.iter().filter(|_| parts.lag.is_some()));
         states.extend(SENSORS.iter().filter(|_| parts.sensor_lag.is_some()));

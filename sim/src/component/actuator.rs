@@ -11,10 +11,12 @@
 //!
 //! The states are the mass m and the Exner pressure w = P^((n-1)/n). An integrator conserves the mass exactly, and a
 //! chamber with shut ports keeps w V^(n-1). The thesis's temperature equations 6.16 and 6.18 follow from these two;
-//! as printed they lose mass with leakage (EQUATIONS section 5).
+//! as printed they lose mass with leakage (EQUATIONS section 5). A vented chamber has constant pressure and temperature instead
+//! ([`crate::component::actuator::vent`]).
 
 pub mod leakage;
 pub mod spring;
+pub mod vent;
 pub(crate) mod walls;
 
 use std::f64::consts::PI;
@@ -27,6 +29,7 @@ use crate::key::{keys, words};
 use crate::number::{Number, Pair};
 use crate::values::{Findings, Rig};
 use leakage::Leakage;
+use vent::Vent;
 
 words! {
     /// Kind of cylinder.
@@ -56,15 +59,23 @@ impl Actuator {
         let symmetric = rig.get(&keys::MODEL) == ActuatorKind::Symmetric;
         let area_1 = if symmetric { rod_side } else { blind };
         let rods = [if symmetric { rod_diameter } else { 0.0 }, rod_diameter];
+        let (stroke, vent) = (rig.get(&keys::STROKE_M), Vent::of(rig));
+        let mut residual_volumes =
+            [rig.get(&keys::RESIDUAL_VOLUME_1_M3), rig.get(&keys::RESIDUAL_VOLUME_2_M3)];
+        if let Some(vent) = vent {
+            // The surroundings are behind it, so that no stop takes its volume up.
+            residual_volumes[vent.chamber] = blind * stroke;
+        }
         Actuator {
-            stroke: rig.get(&keys::STROKE_M),
+            stroke,
             area_1,
             area_2: rod_side,
             rod_area: if symmetric { 0.0 } else { rod },
-            residual_volumes: [rig.get(&keys::RESIDUAL_VOLUME_1_M3), rig.get(&keys::RESIDUAL_VOLUME_2_M3)],
+            residual_volumes,
             ambient_pressure: rig.get(&exhaust::keys::PRESSURE_PA),
             leakage: Leakage::of(rig, bore),
             walls: Walls::of(rig, [area_1, rod_side], bore, rods),
+            vent,
         }
     }
 }
@@ -86,7 +97,7 @@ pub struct Actuator {
     pub area_2: f64,
     /// A_R2, m^2: the rod, on which the surrounding air pushes.
     pub rod_area: f64,
-    /// V_R1 and V_R2, m^3 (C(35), C(36)).
+    /// V_R1 and V_R2, m^3 (C(35), C(36)); any of a vented chamber.
     pub residual_volumes: [f64; 2],
     /// P_e, Pa.
     pub ambient_pressure: f64,
@@ -94,6 +105,8 @@ pub struct Actuator {
     pub leakage: Leakage,
     /// With which the air exchanges heat; None where the chambers are adiabatic.
     pub walls: Option<Walls>,
+    /// Of a single-acting cylinder.
+    pub vent: Option<Vent>,
 }
 
 /// Air that leaks past the piston.
@@ -191,8 +204,26 @@ impl Actuator {
     /// open to the surroundings.
     #[must_use]
     pub(crate) fn largest_force(&self, supply: f64, sign: f64) -> f64 {
-        let outside = self.ambient_pressure;
-        if sign < 0.0 { -self.force(outside, supply) } else { self.force(supply, outside) }
+        let (outside, [one, two]) = (self.ambient_pressure, self.highest_pressures(supply));
+        if sign < 0.0 { -self.force(outside, two) } else { self.force(one, outside) }
+    }
+
+    /// The highest pressures in chambers 1 and 2 under a `supply`, Pa.
+    #[must_use]
+    pub(crate) fn highest_pressures(&self, supply: f64) -> [f64; 2] {
+        [0, 1].map(|i| if self.is_vented(i) { self.ambient_pressure } else { supply })
+    }
+
+    /// Whether chamber `i`, 0 or 1, is open to the surroundings.
+    #[must_use]
+    pub fn is_vented(&self, i: usize) -> bool {
+        self.vent.is_some_and(|vent| vent.chamber == i)
+    }
+
+    /// P_2 at which the cylinder delivers `force` N with `pressure_1`.
+    #[must_use]
+    pub(crate) fn balancing_pressure_2(&self, pressure_1: f64, force: f64) -> f64 {
+        (pressure_1 * self.area_1 - self.ambient_pressure * self.rod_area - force) / self.area_2
     }
 
     /// P_1 at which the cylinder delivers `force` N against `pressure_2`.
@@ -220,6 +251,7 @@ mod tests {
             ambient_pressure: 101_300.0,
             leakage: Leakage::None,
             walls: None,
+            vent: None,
         }
     }
 

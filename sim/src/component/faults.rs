@@ -22,6 +22,7 @@ pub(crate) use sensing::SensorFaults;
 
 use std::f64::consts::PI;
 
+use crate::component::actuator::vent;
 use crate::component::{exhaust, supply};
 use crate::key::{
     self, Choice, Key, Kind, Preset, Tables, integer, keys, number, optional_number, other, words,
@@ -279,7 +280,16 @@ impl Rig {
 /// The constraints between events and the rest of a rig.
 pub(crate) fn check(rig: &Rig, findings: &mut Findings) {
     let (low, high) = (rig.get(&exhaust::keys::PRESSURE_PA), rig.get(&supply::keys::PRESSURE_PA));
+    let vented = rig.get(&vent::keys::VENTED).chamber();
     for event in rig.fault_events() {
+        if let FaultKind::Leak { chamber, .. } = event.kind
+            && vented == Some(chamber)
+        {
+            findings.note(
+                &keys::EVENT,
+                format!("chamber = {} is vented (actuator.vented): a hole in it has no effect", chamber + 1),
+            );
+        }
         if let FaultKind::SupplyDip { pressure, .. } = event.kind
             && !(low < pressure && pressure < high)
         {

@@ -9,6 +9,8 @@
 //! ([`crate::component::stop`]), F_r the friction except its viscous part ([`crate::component::friction`]). The applied
 //! force is everything except F_r; it decides whether a stuck load breaks away.
 
+pub mod returning;
+
 use crate::component::actuator;
 use crate::component::actuator::spring::ReturnSpring;
 use crate::component::friction::{Body, Contact, Friction, FrictionModel, States};

@@ -67,6 +67,7 @@ impl Rig {
                 return Err(Problems(vec![Problem { source, line: None, key: path.to_owned(), message }]));
             }
             rig.put(path, Some(Value::Number(number)));
+            rig.keep(path);
         }
         rig.keep_nominal_of(self);
         rig.checked(self.name())

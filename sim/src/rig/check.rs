@@ -184,10 +184,9 @@ fn dead_volume_taken_up(rig: &Rig) -> [f64; 2] {
     let highest = test.into_iter().fold(rig.get(&keys::supply::PRESSURE_PA), f64::max);
     let standing = [0.0, actuator.stroke].map(|end| load.standing_force(end));
     let outside = actuator.ambient_pressure * actuator.rod_area;
-    let pushes = [
-        highest * actuator.area_2 + outside - standing[0],
-        highest * actuator.area_1 + standing[1] - outside,
-    ];
+    let [one, two] = actuator.highest_pressures(highest);
+    let pushes =
+        [two * actuator.area_2 + outside - standing[0], one * actuator.area_1 + standing[1] - outside];
     let areas = [actuator.area_1, actuator.area_2];
     std::array::from_fn(|i| {
         areas[i] * pushes[i].max(0.0) / load.stops.stiffness / actuator.residual_volumes[i]

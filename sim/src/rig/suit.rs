@@ -1,10 +1,12 @@
 //! Values that follow from others where a file does not give them.
 
 use super::table::preset_value;
+use crate::component::actuator::vent::VentedKind;
 use crate::component::controller::Law;
 use crate::component::operator::OperatorKind;
-use crate::keys;
+use crate::key::Kind;
 use crate::values::{Rig, Value};
+use crate::{keys, start};
 
 /// Samples and outputs are late beyond this, microseconds, where the file does not say.
 const LATE_US: i64 = 100;
@@ -15,6 +17,26 @@ impl Rig {
         self.suit_drive_stage();
         self.suit_law();
         self.suit_period();
+        self.suit_start();
+    }
+
+    /// With chamber 1 vented, P_2 holds the load at the start where the file does not say.
+    fn suit_start(&mut self) {
+        let key = &keys::test::PRESSURE_2_PA;
+        if self.get(&keys::vent::VENTED) == VentedKind::Chamber1 && !self.is_set(key) {
+            let balanced = start::equilibrium_pressure_2(self);
+            let Kind::Number { min, max } = key.kind else { return };
+            // Of a cylinder without areas it is no number; the checks refuse that.
+            let value = if balanced.is_finite() { balanced.clamp(min, max) } else { min };
+            self.put(key.path, Some(Value::Number(value)));
+        }
+    }
+
+    /// A number that is put in for one that follows from others holds from now on.
+    pub(super) fn keep(&mut self, path: &'static str) {
+        if path == keys::test::PRESSURE_2_PA.path && self.get(&keys::vent::VENTED) == VentedKind::Chamber1 {
+            self.set.insert(path);
+        }
     }
 
     /// A limit of lateness must lie before the next sample: at most half of the time until then.

@@ -516,6 +516,9 @@ class Actuator(Table):
     def wall_temperature_k(self) -> float:
         """Temperature of the chambers' walls, K."""
     @property
+    def vented(self) -> str:
+        """The chamber that is open to the surroundings, in a single-acting cylinder; the valve's port of it is plugged."""
+    @property
     def return_spring(self) -> str:
         """The end to which a spring in the cylinder pushes the piston."""
     @property
@@ -878,6 +881,7 @@ class RigKeys(TypedDict, total=False):
     actuator__passage_clearance_m: float
     actuator__heat_transfer_w_per_m2_k: float
     actuator__wall_temperature_k: float
+    actuator__vented: str
     actuator__return_spring: str
     actuator__return_spring_preload_n: float
     actuator__return_spring_stiffness_n_per_m: float

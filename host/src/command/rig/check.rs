@@ -10,6 +10,7 @@ use pneudrive_optimise::sensitivity::{Effect, Sensitivity, sensitivity};
 use pneudrive_records::words;
 use pneudrive_sim::component::controller::{Law, Loop};
 use pneudrive_sim::component::encoder::mm_per_count;
+use pneudrive_sim::component::load::returning::Return;
 use pneudrive_sim::rig::Source;
 use pneudrive_sim::rigfile::builtin;
 use pneudrive_sim::{Rig, keys};
@@ -31,7 +32,8 @@ pub(super) fn execute(file: &str, quick: bool) -> Result<()> {
     if is_to_run {
         try_test(file, &rig)?;
     }
-    stall_remarks(&rig).iter().chain(&unwatched_remarks(&rig)).for_each(|remark| say!("{file}: {remark}"));
+    let remarks = return_remark(&rig).into_iter().chain(stall_remarks(&rig)).chain(unwatched_remarks(&rig));
+    remarks.for_each(|remark| say!("{file}: {remark}"));
     say!("{file}: a valid rig ({})", rig.name());
     say!("{file}: {}", moves(&rig));
     json::figures(|| json!({ "rig": rig.name(), "unused": rig.unused(), "moves": places(&rig) }));
@@ -71,6 +73,15 @@ fn places(rig: &Rig) -> Vec<Value> {
     let mm = |counts: i64| closed.then(|| counts as f64 * mm_per_count(rig));
     let place = |(at_s, to): (f64, i64)| json!({ "at_s": at_s, "to_counts": to, "to_mm": mm(to) });
     rig.moves().into_iter().map(place).collect()
+}
+
+/// That nothing brings the piston of a single-acting cylinder back from everywhere.
+fn return_remark(rig: &Rig) -> Option<String> {
+    let Return { least, friction } = Return::of(rig).filter(|found| !found.is_complete())?;
+    Some(format!(
+        "its piston does not come back from everywhere: air moves it one way only (actuator.vented), the least force that pushes it back is {:.0} N, and its friction holds {friction:.0} N; actuator.return_spring, load.spring_n_per_m or load.incline_deg can push more",
+        least + 0.0
+    ))
 }
 
 /// What the stall detector makes of a load that breaks away late, or never.

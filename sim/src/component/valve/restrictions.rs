@@ -22,6 +22,12 @@ impl Conductances<Pair> {
             port: self.port.map(|port| port.lane(i)),
         }
     }
+
+    /// The same with the port of node `i` plugged: its lands pass nothing.
+    pub fn plugged(&self, i: usize) -> Conductances<Pair> {
+        let but = |both: Pair| Pair::of(|lane| if lane == i { 0.0 } else { both.lane(lane) });
+        Conductances { supply: but(self.supply), exhaust: but(self.exhaust), port: self.port }
+    }
 }
 
 /// What a valve's conductances have in common for all places of its spool.

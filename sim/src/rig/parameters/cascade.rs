@@ -27,6 +27,7 @@ use pneudrive_controller::parameters::id;
 
 use crate::component::actuator::Actuator;
 use crate::component::actuator::spring::ReturnSpring;
+use crate::component::actuator::vent::VentedKind;
 use crate::component::encoder::pulse;
 use crate::component::load::Load;
 use crate::component::operator::OperatorKind;
@@ -267,7 +268,11 @@ pub(in crate::rig) fn check(rig: &Rig, findings: &mut Findings) {
 type Need = (bool, String);
 
 fn of_any_drive(rig: &Rig) -> Vec<Need> {
-    let needs: [(bool, &str); 3] = [
+    let needs: [(bool, &str); 4] = [
+        (
+            rig.get(&keys::vent::VENTED) == VentedKind::None,
+            "actuator.vented = \"none\": it knows the flows of both chambers by the valve",
+        ),
         (
             rig.get(&keys::sensors::PRESSURE),
             "sensors.pressure = true: it is a loop of the force, which it knows by the pressures",

@@ -109,8 +109,11 @@ impl Chambers {
 pub(super) fn course(transient: &Transient, chambers: &Chambers) -> Inflow {
     let in_a_period = chambers.samples_in_a_period(transient);
     let (n, gas) = (chambers.gas.heat_capacity_ratio, chambers.gas.gas_constant * chambers.temperature);
-    let [one, two] =
-        chambers.readings(transient).map(|readings| Seen::of(&Filling::of(&readings, n, gas), in_a_period));
+    let readings = chambers.readings(transient);
+    let [one, two] = [0, 1].map(|i| match chambers.actuator.is_vented(i) {
+        true => Seen::nothing(transient.time.len()),
+        false => Seen::of(&Filling::of(&readings[i], n, gas), in_a_period),
+    });
     let both = |of: fn(&Seen) -> &Vec<f64>| of(&one).iter().zip(of(&two)).map(|(a, b)| a + b).collect();
     Inflow {
         best: both(|seen| &seen.best),
@@ -136,6 +139,12 @@ struct Seen {
 }
 
 impl Seen {
+    /// Of a chamber that the supply does not feed.
+    fn nothing(samples: usize) -> Seen {
+        let [best, least, most] = std::array::from_fn(|_| vec![0.0; samples]);
+        Seen { best, least, most }
+    }
+
     fn of(filling: &Filling, samples_in_a_period: Option<f64>) -> Seen {
         let (seen, _) = above_noise(filling);
         let (smooth, at_ends) = above_noise(&filling.smoothed());
