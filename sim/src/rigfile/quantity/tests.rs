@@ -195,9 +195,8 @@ fn the_page_on_own_drives_says_what_units_are_read() {
             .map(str::to_owned)
             .collect::<Vec<_>>()
     };
-    let shown =
-        [part("Any unit of a quantity", "Units are"), part("Units are read", "A number without")].concat();
-    assert!(shown.len() > 12, "{shown:?}");
+    let shown = part("Any unit of a quantity", "A number without");
+    assert!(shown.len() > 10, "{shown:?}");
     for text in shown {
         let units = ["m", "m3/s", "m3/(s Pa)", "mm", "N s/m", "K", "kg"];
         assert!(units.iter().any(|unit| read(&text, unit).is_ok()), "{text}");
