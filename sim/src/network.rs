@@ -107,6 +107,8 @@ pub struct Network {
     exhaust: GasState,
     supply_tube: Tube,
     cylinder_tube: Tube,
+    /// Whether each chamber's tube is on the other port.
+    crossed: bool,
     laws: Laws,
     /// Whether air can flow through the lands and ports, and all are orifices.
     passes_air: bool,
@@ -185,6 +187,7 @@ impl Network {
             exhaust,
             supply_tube,
             cylinder_tube,
+            crossed: false,
             laws,
             passes_air,
             vessels: Vessels::default(),
@@ -246,6 +249,13 @@ impl Network {
     /// Sets the flow laws of the lands after the spool has moved.
     pub(crate) fn set_land_laws(&mut self, [supply, exhaust]: [FlowLaw; 2]) {
         (self.laws.supply, self.laws.exhaust) = (supply, exhaust);
+    }
+
+    /// Joins the tube of each chamber to the other port, or to its own.
+    pub(crate) fn cross_tubes(&mut self, crossed: bool) {
+        if std::mem::replace(&mut self.crossed, crossed) != crossed {
+            self.cylinder_tube = self.cylinder_tube.exchanged();
+        }
     }
 
     /// The flows jump, so the last solutions do not predict the next one.

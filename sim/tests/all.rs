@@ -17,6 +17,7 @@ mod encoders;
 mod extreme;
 mod extremes;
 mod faults;
+mod flow_controls;
 mod follow;
 mod hysteresis;
 mod keys_in_use;

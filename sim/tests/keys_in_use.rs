@@ -110,6 +110,10 @@ const VARIANTS: &[(&str, &[&str])] = &[
     ),
     ("servo-b-tuned", &["encoder.model=potentiometer", "test.moves=[[0.0, 1500], [0.2, 1700]]"]),
     ("servo-b", &["controller.model=continuous"]),
+    (
+        "servo-b-tuned",
+        &["valve.model=single-restriction", "tubing.model=none", "tubing.flow_control=meter-out"],
+    ),
 ];
 
 /// Tests, one of which makes a key count, as settings: that of the file; on a profile; to and fro in closed and in open loop;

@@ -14,6 +14,7 @@
 use pneudrive_sim::component::actuator::Actuator;
 use pneudrive_sim::component::gas::Gas;
 use pneudrive_sim::component::load::Load;
+use pneudrive_sim::component::tubing::has_flow_controls;
 use pneudrive_sim::component::valve::flow_law::FlowLaw;
 use pneudrive_sim::component::valve::iso6358::Iso6358;
 use pneudrive_sim::{Rig, keys};
@@ -66,6 +67,10 @@ impl Drive {
             _ => None,
         });
         let [Some(filling), Some(venting)] = paths else { return None };
+        // Their throttles are not in the conductance of the valve.
+        if has_flow_controls(rig) {
+            return None;
+        }
         Some(Drive {
             actuator: Actuator::of(rig),
             load: Load::of(rig),

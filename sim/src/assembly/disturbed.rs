@@ -13,6 +13,7 @@ impl Assembly {
             return false;
         }
         self.supply_the_network();
+        self.parts.network.cross_tubes(self.parts.faults.now.swapped_tubes);
         if self.parts.faults.now.stuck_spool {
             self.settle(t, x);
             self.parts.operator.stick(t, spool_state(x));

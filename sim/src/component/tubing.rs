@@ -8,7 +8,8 @@
 //!
 //! with a signed exponent, so that it holds for both directions. In Exner pressures the exponent is
 //! scaled by (n-1)/n. Two others follow from the dimensions: adiabatic flow with friction
-//! (`tubing/pipe.rs`), and a sharp restriction in place of a tube (`tubing/connector.rs`).
+//! (`tubing/pipe.rs`), and a sharp restriction in place of a tube (`tubing/connector.rs`). Beside a valve without tubes
+//! one-way flow controls stand at the ports of the cylinder (`tubing/flow_control.rs`).
 //!
 //! The pressure at the far end depends on the flow and the flow on that pressure: the network solves
 //! both at once, so that the thesis's oscillation of P1v, which came from using the flow of the call
@@ -28,6 +29,7 @@
 //! far less than 1/s of it, and air at a far end above 0.09 P* flows at most 0.5/s above m_s.
 
 mod connector;
+mod flow_control;
 mod pipe;
 
 use crate::component::air::GasState;
@@ -38,6 +40,8 @@ use crate::key::{keys, words};
 use crate::number::Number;
 use crate::values::Rig;
 use connector::Connector;
+pub use flow_control::FlowControlKind;
+use flow_control::FlowControls;
 use pipe::Pipe;
 
 words! {
@@ -59,6 +63,10 @@ keys! {
     DIAMETER_MM: f64 = number("tubing.diameter_mm", 4.0, 0.1, 500.0, "C(13)", "Bore of the tubes; with the multiple flow node that of the restriction at the cylinder.");
     LENGTH_M: f64 = number("tubing.length_m", 1.0, 0.0, 1000.0, "", "Length of each tube.").of(&["analytical", "dynamic"]);
     FRICTION_FACTOR: f64 = number("tubing.friction_factor", 0.005, 1e-5, 1.0, "", "Fanning friction factor.").of(&["analytical", "dynamic"]);
+    FLOW_CONTROL: FlowControlKind = choice("tubing.flow_control", "", "One-way flow controls at the ports of the cylinder: the way that they throttle; the other is free.");
+    FLOW_CONTROL_1_CONDUCTANCE: f64 = number("tubing.flow_control_1_conductance_m3_per_s_pa", 5e-9, 1e-12, 1e-6, "", "Sonic conductance of the throttle of chamber 1 (ISO 6358); a round number, as the needle may stand anywhere.").chosen_by(&FLOW_CONTROL, &["meter-out", "meter-in"]).spread();
+    FLOW_CONTROL_2_CONDUCTANCE: f64 = number("tubing.flow_control_2_conductance_m3_per_s_pa", 5e-9, 1e-12, 1e-6, "", "The same of chamber 2.").chosen_by(&FLOW_CONTROL, &["meter-out", "meter-in"]).spread();
+    FLOW_CONTROL_CRITICAL_RATIO: f64 = number("tubing.flow_control_critical_ratio", 0.3, 0.0, 0.9, "", "Critical pressure ratio of both throttles (ISO 6358).").chosen_by(&FLOW_CONTROL, &["meter-out", "meter-in"]);
     LAG_S: f64 = number("tubing.lag_s", 0.0, 0.0, 1.0, "", "First-order lag of the pressure ratio; 0: solved together with the valve.");
 }
 
@@ -73,7 +81,10 @@ pub fn tubes(rig: &Rig, gas: &Gas) -> (Tube, Tube) {
         return (Tube::none(), Tube::connector(gas, rig.get(&valve::keys::DISCHARGE_SUPPLY), bore));
     }
     let tube = match rig.get(&keys::MODEL) {
-        TubingKind::None => Tube::none(),
+        TubingKind::None => {
+            let controls = FlowControls::of(rig, gas).map_or(Drop::None, Drop::FlowControls);
+            return (Tube::none(), Tube(controls));
+        }
         TubingKind::Analytical => {
             Tube::analytical(gas, rig.get(&keys::LENGTH_M), bore, rig.get(&keys::FRICTION_FACTOR))
         }
@@ -82,6 +93,14 @@ pub fn tubes(rig: &Rig, gas: &Gas) -> (Tube, Tube) {
         }
     };
     (tube, tube)
+}
+
+/// Whether flow controls stand at the ports of the cylinder: only beside a valve without tubes.
+#[must_use]
+pub fn has_flow_controls(rig: &Rig) -> bool {
+    rig.get(&keys::FLOW_CONTROL) != FlowControlKind::None
+        && rig.get(&keys::MODEL) == TubingKind::None
+        && !rig.get(&valve::keys::MODEL).facts().replaces_tubes
 }
 
 /// The pressure that the speed in a port recovers behind an infinitely wide land, over the pressure that the tube from
@@ -126,6 +145,7 @@ enum Drop {
     },
     Analytical(Pipe),
     Connector(Connector),
+    FlowControls(FlowControls),
 }
 
 /// Exner pressure at the far end of a tube, and its slope over the flow.
@@ -171,19 +191,41 @@ impl Tube {
         matches!(self.0, Drop::None)
     }
 
+    /// Whether the air at its far end is at rest: there is no tube that brings it.
+    #[must_use]
+    pub(crate) fn ends_at_rest(&self) -> bool {
+        matches!(self.0, Drop::None | Drop::FlowControls(_))
+    }
+
+    /// That of node `i`, where those of both nodes differ.
+    pub(crate) fn of_node(&self, i: usize) -> Tube {
+        match &self.0 {
+            Drop::FlowControls(controls) => Tube(Drop::FlowControls(controls.of_place(i))),
+            _ => *self,
+        }
+    }
+
+    /// Those of the nodes the other way round.
+    pub(crate) fn exchanged(&self) -> Tube {
+        match &self.0 {
+            Drop::FlowControls(controls) => Tube(Drop::FlowControls(controls.exchanged())),
+            _ => *self,
+        }
+    }
+
     /// The decay d ln w/d mdot of a flow away from the known end, s/kg, if it is the same for all flows.
     #[inline(always)]
     pub(crate) fn decay(&self) -> Option<f64> {
         match self.0 {
             Drop::None => Some(0.0),
             Drop::Empirical { decay } => Some(decay),
-            Drop::Analytical(_) | Drop::Connector(_) => None,
+            Drop::Analytical(_) | Drop::Connector(_) | Drop::FlowControls(_) => None,
         }
     }
 
     /// Whether the drop depends on the temperature of the air in the tube.
     pub(crate) fn feels_temperature(&self) -> bool {
-        matches!(self.0, Drop::Analytical(_) | Drop::Connector(_))
+        matches!(self.0, Drop::Analytical(_) | Drop::Connector(_) | Drop::FlowControls(_))
     }
 
     /// The regression line of the thesis: the pressure falls by the fraction `drop_slope` (below 1)
@@ -233,20 +275,29 @@ impl Tube {
         }
         match &self.0 {
             Drop::None | Drop::Empirical { .. } => FarEnd { exner: known.exner, by_flow: N::from(0.0) },
-            Drop::Analytical(pipe) => one_by_one(known, flow, |known, flow| pipe.ratio(known, flow)),
-            Drop::Connector(connector) => one_by_one(known, flow, |known, flow| connector.ratio(known, flow)),
+            Drop::Analytical(pipe) => one_by_one(known, flow, |_, known, flow| pipe.ratio(known, flow)),
+            Drop::Connector(connector) => {
+                one_by_one(known, flow, |_, known, flow| connector.ratio(known, flow))
+            }
+            Drop::FlowControls(controls) => {
+                one_by_one(known, flow, |i, known, flow| controls.ratio(i, known, flow))
+            }
         }
     }
 }
 
 /// The far ends of tubes whose equations have to be asked how large things are.
 #[inline]
-fn one_by_one<N: Number>(known: &GasState<N>, flow: N, ratio: impl Fn(&GasState, f64) -> Ratio) -> FarEnd<N> {
+fn one_by_one<N: Number>(
+    known: &GasState<N>,
+    flow: N,
+    ratio: impl Fn(usize, &GasState, f64) -> Ratio,
+) -> FarEnd<N> {
     let mut slopes = [0.0; 2];
     let exner = N::of(|i| {
         let (known, flow) =
             (GasState { exner: known.exner.lane(i), temperature: known.temperature.lane(i) }, flow.lane(i));
-        let far = ratio(&known, flow).far_end(known.exner, flow);
+        let far = ratio(i, &known, flow).far_end(known.exner, flow);
         slopes[i] = far.by_flow;
         far.exner
     });

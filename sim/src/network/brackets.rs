@@ -8,6 +8,7 @@ use super::mixing::mean_of_inflows;
 use super::rest::Slope;
 use super::restriction::{Approach, EndState, MaybeApproach, factor};
 use super::{BoundaryConditions, GasState, Network, Node, Nodes, PortFlow};
+use crate::component::tubing::Tube;
 use crate::component::valve::Conductances;
 use crate::component::valve::flow_law::FlowLaw;
 use crate::number::Pair;
@@ -43,6 +44,7 @@ struct NodeSide<'a> {
     approaches: &'a [MaybeApproach; 3],
     /// Of its lands to the supply and to the exhaust.
     laws: [FlowLaw; 2],
+    tube: Tube,
 }
 
 impl Network {
@@ -102,7 +104,12 @@ impl Network {
         let node = &self.nodes.each()[i];
         let supply = GasState { exner: self.exner_at_lands(&self.nodes), ..self.supply };
         let chamber = boundary.chambers.lane(i);
-        let far = self.port_station(node.temperature, &chamber, boundary.port(i), node.port_flow());
+        let far = self.port_station(
+            &self.cylinder_tube.of_node(i),
+            node.temperature,
+            (&chamber, boundary.port(i)),
+            node.port_flow(),
+        );
         [self.supply_approach(&supply, node.supply_flow), None, self.port_approach(&far, -node.port_flow())]
     }
 
@@ -114,6 +121,7 @@ impl Network {
             port: boundary.port(i),
             approaches: &approaches[i],
             laws: [self.laws.supply.of_node(i), self.laws.exhaust.of_node(i)],
+            tube: self.cylinder_tube.of_node(i),
         });
         let highest = self.supply.exner.max(sides[0].chamber.exner).max(sides[1].chamber.exner);
         let coldest =
@@ -155,7 +163,7 @@ impl Network {
         let node_for = |m: f64| {
             // Air that charges the cylinder has the temperature of the air that the lands let in at that pressure.
             let node_with = |charging: f64| {
-                let far = self.port_station(charging, &side.chamber, side.port, m);
+                let far = self.port_station(&side.tube, charging, (&side.chamber, side.port), m);
                 self.node_at(far.exner, side, at_valve, |_| m)
             };
             let mut node = node_with(self.supply.temperature);
@@ -175,7 +183,9 @@ impl Network {
             2.0 * highest,
         );
         let lowest = at_valve.min(self.exhaust.exner).min(side.chamber.exner);
-        let behind = |m: f64| self.port_station(self.supply.temperature, &side.chamber, side.port, m).exner;
+        let behind = |m: f64| {
+            self.port_station(&side.tube, self.supply.temperature, (&side.chamber, side.port), m).exner
+        };
         let ends = ends_of(most, [lowest, highest], behind);
         node_for(bracketed_root(excess, ends.map(|m| (m, excess(m))), 1e-17))
     }
@@ -224,14 +234,15 @@ impl Network {
     fn port_flow_at(&self, node: &Node, side: &NodeSide, bore: f64) -> f64 {
         let here = node.station();
         let excess = |m: f64| {
-            let far = self.port_station(here.temperature, &side.chamber, side.port, m);
+            let far = self.port_station(&side.tube, here.temperature, (&side.chamber, side.port), m);
             m * m.abs() + self.port(bore, &EndState::of(&far), &side.approaches[2], here.exner).value
         };
         let highest = node.exner.max(side.chamber.exner);
         let coldest = node.temperature.min(side.chamber.temperature);
         let most = self.more_than_choked(&self.laws.port, bore / coldest, highest);
         let lowest = node.exner.min(side.chamber.exner);
-        let behind = |m: f64| self.port_station(here.temperature, &side.chamber, side.port, m).exner;
+        let behind =
+            |m: f64| self.port_station(&side.tube, here.temperature, (&side.chamber, side.port), m).exner;
         let ends = ends_of(most, [lowest, highest], behind);
         bracketed_root(excess, ends.map(|m| (m, excess(m))), 1e-17)
     }

@@ -47,5 +47,5 @@ fn laws(rig: &Rig) -> Laws {
 /// The ends that no tube joins to the valve. A lagged tube counts as none.
 fn vessels(rig: &Rig, gas: &Gas) -> Vessels {
     let (supply, cylinder) = tubes(rig, gas);
-    Vessels { supply: supply.is_none(), chambers: cylinder.is_none() }
+    Vessels { supply: supply.is_none(), chambers: cylinder.ends_at_rest() }
 }

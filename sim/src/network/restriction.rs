@@ -2,6 +2,7 @@
 //! that Newton's method needs, and the approach of the air.
 
 use super::{GasState, Network, PortFlow};
+use crate::component::tubing::Tube;
 use crate::component::valve::flow_law::FlowLaw;
 use crate::number::{Number, Pair};
 
@@ -157,15 +158,21 @@ impl Network {
         self.restriction(&self.laws.port, conductance, far, approach, &near)
     }
 
-    /// w at the valve's end of a cylinder's tube for a port flow `m` into the cylinder, with the temperature of the
+    /// w at the valve's end of a cylinder's `tube` for a port flow `m` into the cylinder, with the temperature of the
     /// air in port and tube. `charging` is the temperature of the air from the valve, K.
-    pub(super) fn port_station(&self, charging: f64, chamber: &GasState, port: PortFlow, m: f64) -> GasState {
+    pub(super) fn port_station(
+        &self,
+        tube: &Tube,
+        charging: f64,
+        (chamber, port): (&GasState, PortFlow),
+        m: f64,
+    ) -> GasState {
         let temperature = match port {
             PortFlow::Charging => charging,
             PortFlow::Discharging => chamber.temperature,
         };
         let known = GasState { temperature, ..*chamber };
-        GasState { exner: self.cylinder_tube.far_end(&known, -m).exner, temperature }
+        GasState { exner: tube.far_end(&known, -m).exner, temperature }
     }
 
     /// A flow that a restriction cannot reach, whatever the Mach number of its approach: the end of a bracket, with a

@@ -475,6 +475,18 @@ class Tubing(Table):
     def friction_factor(self) -> float:
         """Fanning friction factor."""
     @property
+    def flow_control(self) -> str:
+        """One-way flow controls at the ports of the cylinder: the way that they throttle; the other is free."""
+    @property
+    def flow_control_1_conductance_m3_per_s_pa(self) -> float:
+        """Sonic conductance of the throttle of chamber 1 (ISO 6358); a round number, as the needle may stand anywhere, m3/(s Pa)."""
+    @property
+    def flow_control_2_conductance_m3_per_s_pa(self) -> float:
+        """The same of chamber 2, m3/(s Pa)."""
+    @property
+    def flow_control_critical_ratio(self) -> float:
+        """Critical pressure ratio of both throttles (ISO 6358)."""
+    @property
     def lag_s(self) -> float:
         """First-order lag of the pressure ratio; 0: solved together with the valve, s."""
 
@@ -868,6 +880,10 @@ class RigKeys(TypedDict, total=False):
     tubing__diameter_mm: float
     tubing__length_m: float
     tubing__friction_factor: float
+    tubing__flow_control: str
+    tubing__flow_control_1_conductance_m3_per_s_pa: float
+    tubing__flow_control_2_conductance_m3_per_s_pa: float
+    tubing__flow_control_critical_ratio: float
     tubing__lag_s: float
     actuator__model: str
     actuator__stroke_m: float
@@ -1001,6 +1017,8 @@ class RigKeys(TypedDict, total=False):
     valve__connector_diameter: str
     tubing__diameter: str
     tubing__length: str
+    tubing__flow_control_1_conductance: str
+    tubing__flow_control_2_conductance: str
     tubing__lag: str
     actuator__stroke: str
     actuator__bore: str

@@ -31,7 +31,7 @@ use crate::component::actuator::vent::VentedKind;
 use crate::component::encoder::pulse;
 use crate::component::load::Load;
 use crate::component::operator::OperatorKind;
-use crate::component::tubing::TubingKind;
+use crate::component::tubing::{TubingKind, has_flow_controls};
 use crate::component::valve::discharge::DischargeKind;
 use crate::component::valve::flow_force::FlowForceKind;
 use crate::component::valve::iso6358::{Iso6358, REFERENCE_DENSITY, REFERENCE_TEMPERATURE};
@@ -268,7 +268,8 @@ pub(in crate::rig) fn check(rig: &Rig, findings: &mut Findings) {
 type Need = (bool, String);
 
 fn of_any_drive(rig: &Rig) -> Vec<Need> {
-    let needs: [(bool, &str); 4] = [
+    let needs: [(bool, &str); 5] = [
+        (!has_flow_controls(rig), "tubing.flow_control = \"none\": a flow that the valve alone decides"),
         (
             rig.get(&keys::vent::VENTED) == VentedKind::None,
             "actuator.vented = \"none\": it knows the flows of both chambers by the valve",
