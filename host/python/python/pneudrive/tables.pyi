@@ -1017,8 +1017,6 @@ class RigKeys(TypedDict, total=False):
     valve__connector_diameter: str
     tubing__diameter: str
     tubing__length: str
-    tubing__flow_control_1_conductance: str
-    tubing__flow_control_2_conductance: str
     tubing__lag: str
     actuator__stroke: str
     actuator__bore: str
