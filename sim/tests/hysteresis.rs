@@ -76,3 +76,35 @@ fn a_finer_trace_does_not_change_the_steps() {
         assert_eq!(fine.work, coarse.work, "{percent}");
     }
 }
+
+/// A test begins where the command before has left the spool; a command beyond the loop makes that one forget it.
+#[test]
+fn the_side_of_the_loop_on_which_a_test_begins_is_the_spools_place_until_a_command_passes_it() {
+    for model in ["solenoid-empirical", "solenoid"] {
+        let with = |side: &str| {
+            let settings = [
+                "controller.law=\"gain-profile\"",
+                "controller.loop=open",
+                "operator.dither_mm=0",
+                "operator.hysteresis_percent=5",
+                "test.moves=[[0.0, 0], [0.05, 800]]",
+                "test.duration_s=0.3",
+            ]
+            .map(str::to_owned);
+            let own = [format!("operator.model={model}"), format!("test.hysteresis_side={side}")];
+            let rig = Rig::builtin("servo-b")
+                .expect("a built-in rig")
+                .with_settings(&[&settings[..], &own].concat());
+            run(&rig.expect("valid"), USUAL).expect("a run")
+        };
+        let [lower, middle, upper] = ["-1", "0", "1"].map(with);
+        let spool = |run: &Run, at: usize| run.rows[at].plant.spool;
+        // 5 % of the range of 1 mm to either side; stiction holds a spool that has a mass.
+        let half = if model == "solenoid" { 0.0 } else { 0.05e-3 };
+        for (run, side) in [(&lower, -half), (&middle, 0.0), (&upper, half)] {
+            assert!((spool(run, 1) - side).abs() < 1e-12, "{model}: {} m", spool(run, 1));
+        }
+        let last = middle.rows.len() - 1;
+        assert!((spool(&lower, last) - spool(&upper, last)).abs() < 1e-9, "{model} has forgotten it");
+    }
+}
