@@ -6,7 +6,6 @@ use pneudrive_controller::Sequence;
 use pneudrive_controller::sequencer::MAX_MOVES;
 
 use crate::component::controller::{self, Loop};
-use crate::component::dither::SOLENOIDS;
 use crate::key::{Key, Kind, Preset, keys};
 use crate::values::{Fields, Findings, Rig, whole_microseconds};
 
@@ -46,7 +45,6 @@ keys! {
     POSITION_M: f64 = number("test.position_m", 98.719_625e-3, 0.0, 20.0, "", "Position at the start; 8192.5 counts, for a start on the edge of a count is ill-defined.");
     PRESSURE_1_PA: Option<f64> = optional_number("test.pressure_1_pa", 1e4, 5e6, "equilibrium with pressure_2_pa", "", "Chamber 1 at the start, absolute.");
     PRESSURE_2_PA: f64 = number("test.pressure_2_pa", 400_000.0, 1e4, 5e6, "", "Chamber 2 at the start, absolute.");
-    HYSTERESIS_SIDE: f64 = number("test.hysteresis_side", 0.0, -1.0, 1.0, "", "Where the spool stands in its hysteresis at the start: 1 as after a command that fell, -1 as after one that rose, 0 in the middle.").of(SOLENOIDS);
     TEMPERATURE_1_K: f64 = number("test.temperature_1_k", 294.0, 150.0, 600.0, "", "Chamber 1 at the start.");
     TEMPERATURE_2_K: f64 = number("test.temperature_2_k", 294.0, 150.0, 600.0, "", "Chamber 2 at the start.");
 }

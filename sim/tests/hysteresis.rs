@@ -91,7 +91,7 @@ fn the_side_of_the_loop_on_which_a_test_begins_is_the_spools_place_until_a_comma
                 "test.duration_s=0.3",
             ]
             .map(str::to_owned);
-            let own = [format!("operator.model={model}"), format!("test.hysteresis_side={side}")];
+            let own = [format!("operator.model={model}"), format!("operator.hysteresis_side={side}")];
             let rig = Rig::builtin("servo-b")
                 .expect("a built-in rig")
                 .with_settings(&[&settings[..], &own].concat());

@@ -309,6 +309,9 @@ class Operator(Table):
     def hysteresis_percent(self) -> float:
         """Width of the hysteresis loop, of the spool's range from end to end (2 mm in servo-drive B), %."""
     @property
+    def hysteresis_side(self) -> float:
+        """Where the spool stands in its hysteresis as a test begins: 1 as after a command that fell, -1 as after one that rose, 0 in the middle."""
+    @property
     def dither_hz(self) -> float:
         """Frequency of the amplifier's dither, Hz."""
     @property
@@ -826,6 +829,7 @@ class RigKeys(TypedDict, total=False):
     operator__stop_region_m: float
     operator__stop_damping_ratio: float
     operator__hysteresis_percent: float
+    operator__hysteresis_side: float
     operator__dither_hz: float
     operator__dither_mm: float
     operator__dither_phase_deg: float

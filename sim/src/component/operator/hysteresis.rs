@@ -8,11 +8,11 @@ use crate::component::dither::{CREST, Dither, TROUGH};
 use crate::component::play::{Branch, Motion, Play};
 use crate::component::valve::spool_travel;
 use crate::key::keys;
-use crate::schedule::keys as test;
 use crate::values::Rig;
 
 keys! {
     HYSTERESIS_PERCENT: f64 = number("operator.hysteresis_percent", 5.0, 0.0, 100.0, "C(29)", "Width of the hysteresis loop, of the spool's range from end to end (2 mm in servo-drive B).").of(SOLENOIDS).spread().vague();
+    HYSTERESIS_SIDE: f64 = number("operator.hysteresis_side", 0.0, -1.0, 1.0, "", "Where the spool stands in its hysteresis as a test begins: 1 as after a command that fell, -1 as after one that rose, 0 in the middle.").of(SOLENOIDS);
 }
 
 /// Half of the hysteresis loop, m: the loop is `hysteresis_percent` of the spool's range wide, from end to end.
@@ -23,7 +23,7 @@ pub fn half_width(rig: &Rig) -> f64 {
 
 /// The play of a rig's operator at the start of its test.
 pub(super) fn at_start(rig: &Rig) -> Play {
-    Play::held(half_width(rig), rig.get(&test::HYSTERESIS_SIDE) * half_width(rig))
+    Play::held(half_width(rig), rig.get(&keys::HYSTERESIS_SIDE) * half_width(rig))
 }
 
 /// Play on a command plus dither, all in m of spool travel.
