@@ -30,8 +30,11 @@ const KEYS_OF_START: [&str; 3] =
 
 /// Those that none measures: the temperatures that the last move has left, and the side of the hysteresis on which its last command
 /// has left the spool.
-const UNMEASURED: [&Key; 3] =
-    [&keys::test::TEMPERATURE_1_K.key, &keys::test::TEMPERATURE_2_K.key, &keys::hysteresis::HYSTERESIS_SIDE.key];
+const UNMEASURED: [&Key; 3] = [
+    &keys::test::TEMPERATURE_1_K.key,
+    &keys::test::TEMPERATURE_2_K.key,
+    &keys::hysteresis::HYSTERESIS_SIDE.key,
+];
 
 /// The dry friction of a load, and the part of the file's that may be left of it: it is known to a factor of two.
 const DRY_FRICTION: [&str; 4] = [
