@@ -153,10 +153,22 @@ pub fn start(client: &mut Client, rig: &Rig, interrupted: &mut Interrupted<'_>) 
     let ready = wait_for_null(client, rig, interrupted)
         .and_then(|()| wait_for_samples_before(client, rig, interrupted));
     if let Err(error) = ready.and_then(|()| client.start()) {
+        let error = tripped_before(&client.status()?).unwrap_or(error);
         client.disarm()?;
         return Err(error);
     }
     Ok(())
+}
+
+/// Why a drive that was armed is not any more; None if that is not because it tripped.
+fn tripped_before(status: &Status) -> Option<anyhow::Error> {
+    (status.mode == Mode::Fault).then(|| {
+        Failure::Tripped.error(format!(
+            "the drive tripped before the start: {} ({}); `pneudrive device arm` clears the fault",
+            words::fault_code_name(status.fault),
+            words::fault_meaning(status.fault)
+        ))
+    })
 }
 
 /// Refuses a test in closed loop that a drive with these parameters would refuse to start, before anything is changed on it.
@@ -304,4 +316,23 @@ fn compare_parameters(rig: &Parameters, file: &Parameters, name: &str) -> Result
         );
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use pneudrive_rigs::virtual_rig::{Background, Listener, Pace, VirtualRig};
+
+    use super::*;
+
+    #[test]
+    fn a_drive_that_trips_between_arming_and_the_start_is_told_with_its_fault() {
+        let rig = Rig::builtin("servo-b-tuned").expect("a built-in rig");
+        let served = VirtualRig::new(rig.clone(), 1, Pace { fast: true, live: false }).expect("a rig");
+        let served = Background::start(served, Listener::open("tcp:127.0.0.1:0").expect("a port"));
+        let mut client = Client::connect(served.port()).expect("it answers");
+        prepare(&mut client, &rig, rig.last_sample(), false, false).expect("the test of its own file");
+        let mut stopped = || Client::connect(served.port())?.stop();
+        let error = start(&mut client, &rig, &mut stopped).expect_err("it does not run");
+        assert!(format!("{error:#}").contains("tripped before the start: stop"), "{error:#}");
+    }
 }
