@@ -28,11 +28,8 @@ const COUNTS: f64 = 10.0;
 /// The same of the side of a hysteresis, of which no place is more likely than another: 1 / sqrt(3).
 const SIDE: f64 = 0.577_350_269_189_625_8;
 
-/// The same of the temperature of a chamber, K: what a second of rest leaves of the warmth of a move.
-const KELVINS: f64 = 10.0;
-
 /// In the order of an initial state.
-const OF_START: [f64; STARTS] = [COUNTS, COUNTS, COUNTS, KELVINS, KELVINS, SIDE];
+const OF_START: [f64; STARTS] = [COUNTS, COUNTS, COUNTS, SIDE];
 
 /// Longest step of a search along a quantity of an initial state, in u.
 const LONGEST_OF_START: f64 = 0.3;

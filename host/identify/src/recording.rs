@@ -28,13 +28,8 @@ pub const CHANNELS: [(&str, &str); 4] =
 const KEYS_OF_START: [&str; 3] =
     [keys::test::POSITION_M.key.path, keys::test::PRESSURE_1_PA.key.path, keys::test::PRESSURE_2_PA.key.path];
 
-/// Those that none measures: the temperatures that the last move has left, and the side of the hysteresis on which its last command
-/// has left the spool.
-const UNMEASURED: [&Key; 3] = [
-    &keys::test::TEMPERATURE_1_K.key,
-    &keys::test::TEMPERATURE_2_K.key,
-    &keys::hysteresis::HYSTERESIS_SIDE.key,
-];
+/// That which none measures: the side of the hysteresis on which the last command has left the spool.
+const SIDE: &Key = &keys::hysteresis::HYSTERESIS_SIDE.key;
 
 /// The dry friction of a load, and the part of the file's that may be left of it: it is known to a factor of two.
 const DRY_FRICTION: [&str; 4] = [
@@ -55,7 +50,7 @@ const MAX_PERIOD_ERROR: f64 = 0.5;
 const ROUNDING_ALONE: f64 = 0.15;
 
 /// Quantities of an initial state: first those that are measured.
-pub const STARTS: usize = KEYS_OF_START.len() + UNMEASURED.len();
+pub const STARTS: usize = KEYS_OF_START.len() + 1;
 
 /// How many of them a rig has, the first ones. A spool without hysteresis has no side, and a dither wider than that leaves none.
 #[must_use]
@@ -213,8 +208,8 @@ impl Recording {
         Ok(Recording { name: name.to_owned(), timing, commands, channels, start })
     }
 
-    /// The initial state of a rig of which sensors with these errors read what is `off` the one that was measured, in counts, and
-    /// of which what no sensor measures is `off` the file's: its values, each with its key.
+    /// The initial state of a rig of which sensors with these errors read what is `off` the one that was measured, in counts, with
+    /// the side of its hysteresis behind them: its values, each with its key.
     pub fn start(
         &self,
         rig: &Rig,
@@ -228,13 +223,8 @@ impl Recording {
             let (position, [one, two]) = calibration.true_values(read[0], [read[1], read[2]]);
             [position, one, two]
         };
-        let unmeasured = UNMEASURED
-            .into_iter()
-            .zip(&off[KEYS_OF_START.len()..])
-            .take(starts_of(rig) - KEYS_OF_START.len());
-        let unmeasured: Vec<_> =
-            unmeasured.map(|(key, off)| (key.path, rig.number_at(key.path).unwrap_or(0.0) + off)).collect();
-        KEYS_OF_START.into_iter().zip(values).chain(unmeasured)
+        let side = (starts_of(rig) == STARTS).then_some((SIDE.path, off[STARTS - 1]));
+        KEYS_OF_START.into_iter().zip(values).chain(side)
     }
 
     /// What the sensors of `rig` would read under the first `samples` commands; no more than `most` evaluations of the
