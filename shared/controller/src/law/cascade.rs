@@ -27,9 +27,9 @@
 //! knows of its drive is in its parameters, which `pneudrive-sim` makes of a rig file.
 //!
 //! A way begins from the motion that there is: at a new setpoint, and when the valve has been short of what is asked for 8 ms. A load
-//! above 100 mm/s that would pass its target is stopped first. So does a run that begins while the load moves, which its second sample
-//! tells. A profile is followed as it comes. Where it begins, where it jumps and where the valve has been short, a way of the deviation joins
-//! it. A load that stands at the end of its way, or creeps within 40 um of its target, rests.
+//! above 100 mm/s that would pass its target is stopped first. The second sample of a run tells whether the load moves as the run
+//! begins. A profile is followed as it comes. Where it begins, where it jumps and where the valve has been short, a way of the
+//! deviation joins it. A load that stands at the end of its way, or creeps within 40 um of its target, rests.
 
 // An index that may lie outside is a panic, and whether a compiler sees that it never does differs from image to image.
 #![cfg_attr(not(test), deny(clippy::indexing_slicing))]

@@ -27,7 +27,7 @@ const SPREAD: i32 = 19_661;
 const BOUNDS: [[i32; 2]; 4] =
     [[-41_943_040, 83_886_080], [-39_146_837, 55_924_053], [-8 * ONE, 8 * ONE], [-ONE, 4 * ONE]];
 
-/// What is left of a beginning of which nothing is known, 64 times as much as of one at which a load breaks away: in 27 ms it is as much.
+/// What is left of a beginning of which nothing is known, 64 times as much as of one at which a load breaks away: in 29 ms it is as much.
 const LOST: Filter = [64 * ONE; 3];
 
 /// What it knows beforehand.
