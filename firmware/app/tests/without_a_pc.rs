@@ -159,7 +159,7 @@ fn a_stop_during_a_start_wins() {
 #[test]
 fn what_cannot_begin_says_why_and_leaves_the_drive_as_it_was() {
     let mut bench = AppBench::with_records();
-    for (number, why) in [(4, refused::NO_RECORD), (3, Refusal::BeyondEnd.code())] {
+    for (number, why) in [(4, refused::NO_RECORD), (3, Refusal::BeyondSoftLimit.code())] {
         bench.start(number);
         assert_eq!((bench.mode(), bench.why_refused()), (Mode::Disarmed, why));
     }

@@ -50,7 +50,7 @@ fn set(parameters: &mut Parameters, changes: &[(u16, i32)]) {
     }
 }
 
-/// Every setpoint lies between these software end positions.
+/// Every setpoint lies between these soft limits.
 const ENDLESS: [(u16, i32); 2] = [(id::END_MIN_COUNTS, -i32::MAX), (id::END_MAX_COUNTS, i32::MAX)];
 
 /// Limits that no axis meets.
@@ -146,7 +146,7 @@ fn any_run() -> impl Strategy<Value = Run> {
             let config = Config::new(&parameters).expect("they go together");
             if !moves
                 .iter()
-                .all(|&(_, target)| (config.limits.end_min..=config.limits.end_max).contains(&target))
+                .all(|&(_, target)| (config.limits.soft_min..=config.limits.soft_max).contains(&target))
             {
                 set(&mut parameters, &ENDLESS);
             }

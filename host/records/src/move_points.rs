@@ -153,7 +153,7 @@ fn check_ends(rig: &Rig, points: &[Point]) -> Result<()> {
     let high = rig.get(&keys::safety::END_MAX_MM).unwrap_or(stroke_mm).min(stroke_mm);
     match points.iter().find(|point| !(low..=high).contains(&point.mm)) {
         Some(Point { line, mm, .. }) => bail!(
-            "line {line}: {mm} mm is not between the end positions of {low} and {high} mm (safety.end_min_mm, safety.end_max_mm, actuator.stroke_m)"
+            "line {line}: {mm} mm is not between the soft limits of {low} and {high} mm (safety.end_min_mm, safety.end_max_mm, actuator.stroke_m)"
         ),
         None => Ok(()),
     }

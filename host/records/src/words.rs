@@ -182,8 +182,8 @@ fn not_now(of: u8) -> String {
         Some(Refusal::ValveNotAtNull) => {
             "the spool is still moving to mid-travel; try again in a moment".to_owned()
         }
-        Some(Refusal::BeyondEnd) => {
-            "a setpoint lies beyond a software end position (end_min_counts, end_max_counts)".to_owned()
+        Some(Refusal::BeyondSoftLimit) => {
+            "a setpoint lies beyond a soft limit (end_min_counts, end_max_counts)".to_owned()
         }
         Some(Refusal::NoConfiguration) => {
             "the stored configuration is damaged; load one (`pneudrive device config import RIG`) and save it (`pneudrive device config save`)".to_owned()

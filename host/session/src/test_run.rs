@@ -174,7 +174,7 @@ fn tripped_before(status: &Status) -> Option<anyhow::Error> {
 /// Refuses a test in closed loop that a drive with these parameters would refuse to start, before anything is changed on it.
 ///
 /// # Errors
-/// When its axis is not `referenced`, or a setpoint lies beyond a software end position.
+/// When its axis is not `referenced`, or a setpoint lies beyond a soft limit.
 pub fn refuse_what_it_would(rig: &Rig, parameters: &RigParameters, referenced: bool) -> Result<()> {
     let Ok(config) = Config::new(&parameters.values) else { return Ok(()) };
     if config.law.control_loop == Loop::Open {
@@ -188,9 +188,9 @@ pub fn refuse_what_it_would(rig: &Rig, parameters: &RigParameters, referenced: b
     let Some(beyond) = ends.find(|end| !config.limits.allows(*end)) else { return Ok(()) };
     let units = Units::of(parameters);
     let [beyond, least, most] =
-        [beyond, config.limits.end_min, config.limits.end_max].map(|counts| units.length(counts));
+        [beyond, config.limits.soft_min, config.limits.soft_max].map(|counts| units.length(counts));
     Err(Failure::Refused.error(format!(
-        "the setpoint {beyond} lies beyond a software end position of the drive, which goes from {least} to {most} (safety.end_min_mm, safety.end_max_mm)"
+        "the setpoint {beyond} lies beyond a soft limit of the drive, which goes from {least} to {most} (safety.end_min_mm, safety.end_max_mm)"
     )))
 }
 
@@ -281,8 +281,8 @@ fn in_both(id: u16, on_rig: i32, in_file: i32) -> String {
     })
 }
 
-/// Whether a file sets no end position, as in open loop: an end position of the rig then only limits it further.
-fn is_no_end_position(id: u16, in_file: i32) -> bool {
+/// Whether a file sets no soft limit, as in open loop: a soft limit of the rig then only limits it further.
+fn is_no_soft_limit(id: u16, in_file: i32) -> bool {
     [(id::END_MIN_COUNTS, -i32::MAX), (id::END_MAX_COUNTS, i32::MAX)].contains(&(id, in_file))
 }
 
@@ -305,7 +305,7 @@ fn compare_parameters(rig: &Parameters, file: &Parameters, name: &str) -> Result
         .iter()
         .zip(file.iter())
         .filter(|((_, on_rig), (_, in_file))| on_rig != in_file)
-        .filter(|(_, (id, in_file))| !is_no_end_position(*id, *in_file))
+        .filter(|(_, (id, in_file))| !is_no_soft_limit(*id, *in_file))
         .map(|((id, on_rig), (_, in_file))| in_both(id, on_rig, in_file))
         .collect();
     if let Some(first) = differences.first() {

@@ -232,7 +232,7 @@ pub struct Tune {
     /// Largest deviation of the valve's conductances
     #[arg(long, value_name = "PERCENT", default_value = "0%", value_parser = percent)]
     pub valve: f64,
-    /// No step goes below this position, mm [default: the software end position, or the allowed overshoot from the end]
+    /// No step goes below this position, mm [default: the soft limit, or the allowed overshoot from the end]
     #[arg(long = "lowest", value_name = "MM", value_parser = position)]
     pub lowest_mm: Option<f64>,
     /// No step goes above this position, mm

@@ -162,7 +162,7 @@ fn a_place_or_a_test_out_of_reach_is_refused_and_a_drive_that_holds_goes_on() {
         ("go", place(200.0), "200 mm is out of reach: the drive goes from 0.0 to 168.7 mm"),
         ("go", place(-1.0), "-1 mm is out of reach"),
         ("go", place(400.0), "400 mm is out of reach"),
-        ("run", rig_with(&[far]), "180.750 mm lies beyond a software end position"),
+        ("run", rig_with(&[far]), "180.750 mm lies beyond a soft limit"),
     ] {
         page.order(order, more);
         let line = page.beat_until(|line| line["message"].as_str().is_some_and(|why| why.contains(told)));

@@ -122,8 +122,8 @@ impl Default for Config {
                 null_motion: 345,
                 null_drift: 1380,
                 no_motion_counts: 40,
-                end_min: 0,
-                end_max: 24_896,
+                soft_min: 0,
+                soft_max: 24_896,
             },
             drive: DriveConfig::Dac(DacConfig {
                 null_code: DacCode::MIDDLE,
@@ -284,8 +284,8 @@ fn limits(parameters: &Parameters, period_us: NonZeroU32, largest: i16) -> Limit
             get(id::DEAD_ZONE_COUNTS).unsigned_abs(),
         ),
         no_motion_counts: get(id::NO_MOTION_COUNTS).unsigned_abs(),
-        end_min: get(id::END_MIN_COUNTS),
-        end_max: get(id::END_MAX_COUNTS),
+        soft_min: get(id::END_MIN_COUNTS),
+        soft_max: get(id::END_MAX_COUNTS),
     }
 }
 

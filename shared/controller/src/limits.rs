@@ -55,9 +55,9 @@ pub struct Limits {
     /// A smaller distance from where the axis stood is not motion, counts.
     pub no_motion_counts: u32,
     /// Lower soft limit, counts. Setpoints beyond a soft limit are refused, and an open loop does not push beyond it.
-    pub end_min: i32,
+    pub soft_min: i32,
     /// Upper soft limit, counts.
-    pub end_max: i32,
+    pub soft_max: i32,
 }
 
 /// Motion at null is checked over this many samples.
@@ -101,7 +101,7 @@ impl Limits {
     /// Whether a setpoint is within the soft limits.
     #[must_use]
     pub fn allows(&self, setpoint: i32) -> bool {
-        self.end_min <= setpoint && setpoint <= self.end_max
+        self.soft_min <= setpoint && setpoint <= self.soft_max
     }
 
     /// The demand, limited to the range of the drive stage.
@@ -115,7 +115,8 @@ impl Limits {
     /// The demand of an open loop, limited so that it does not push beyond a soft limit.
     #[must_use]
     pub fn hold_back(&self, demand: i32, position: i32) -> i32 {
-        let pushes_out = (position <= self.end_min && demand < 0) || (position >= self.end_max && demand > 0);
+        let pushes_out =
+            (position <= self.soft_min && demand < 0) || (position >= self.soft_max && demand > 0);
         if pushes_out { 0 } else { demand }
     }
 

@@ -143,7 +143,7 @@ impl Sequence {
         if moves.is_empty() {
             Err(Refusal::NoMoves)
         } else if closed && !moves.iter().flat_map(Move::extremes).all(|end| limits.allows(end)) {
-            Err(Refusal::BeyondEnd)
+            Err(Refusal::BeyondSoftLimit)
         } else {
             Ok(())
         }

@@ -165,7 +165,7 @@ impl State {
             return Err(Refusal::NoMoves);
         }
         if config.law.control_loop == Loop::Closed && !config.limits.allows(target) {
-            return Err(Refusal::BeyondEnd);
+            return Err(Refusal::BeyondSoftLimit);
         }
         if self.sequencer.redirect(target) {
             self.learn_null(&config.law);

@@ -54,7 +54,7 @@ pub enum Refusal {
     /// The spool of a stepper valve is still on its way to mid-travel.
     ValveNotAtNull = 6,
     /// A setpoint lies beyond a soft limit.
-    BeyondEnd = 7,
+    BeyondSoftLimit = 7,
     /// The stored configuration is damaged: load or save one first.
     NoConfiguration = 8,
     /// Since a reset the spool of a stepper valve may be one step away from its assumed location.
@@ -74,7 +74,7 @@ impl Refusal {
         Refusal::NotDisarmed,
         Refusal::NoMoves,
         Refusal::ValveNotAtNull,
-        Refusal::BeyondEnd,
+        Refusal::BeyondSoftLimit,
         Refusal::NoConfiguration,
         Refusal::SpoolInDoubt,
         Refusal::SpoolLost,

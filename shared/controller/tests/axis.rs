@@ -174,18 +174,18 @@ fn before_its_first_move_an_open_loop_is_at_null() {
 }
 
 #[test]
-fn setpoints_beyond_a_software_end_position_are_refused_before_they_move_anything() {
+fn setpoints_beyond_a_soft_limit_are_refused_before_they_move_anything() {
     let ends = [(id::END_MIN_COUNTS, 1000), (id::END_MAX_COUNTS, 2000)];
     for (target, refused) in [(999, true), (1000, false), (2000, false), (2001, true)] {
         let mut bench = ControllerBench::armed(&ends, &[(0, 1500), (5, target)]);
         let started = bench.state.start(&bench.config, &bench.sequence);
-        assert_eq!(started, if refused { Err(Refusal::BeyondEnd) } else { Ok(()) }, "{target}");
+        assert_eq!(started, if refused { Err(Refusal::BeyondSoftLimit) } else { Ok(()) }, "{target}");
         assert_eq!(bench.mode(), if refused { Mode::Armed } else { Mode::Running });
     }
 }
 
 #[test]
-fn an_open_loop_pushes_no_further_than_a_software_end_position() {
+fn an_open_loop_pushes_no_further_than_a_soft_limit() {
     let ends = [(id::END_MIN_COUNTS, 1000), (id::END_MAX_COUNTS, 2000), OPEN_LOOP];
     for (target, position, command) in [
         (300, 1999, 300),
@@ -226,14 +226,14 @@ fn positions_count_from_where_the_axis_was_referenced() {
 
 /// They were tried, and the drive leaned on its stop.
 #[test]
-fn setpoints_outside_the_stroke_are_refused_unless_the_end_positions_say_otherwise() {
+fn setpoints_outside_the_stroke_are_refused_unless_the_soft_limits_say_otherwise() {
     let started = |changes: &[(u16, i32)], target| {
         let mut bench = ControllerBench::armed(changes, &[(0, target)]);
         bench.state.start(&bench.config, &bench.sequence)
     };
     // The stroke of servo-drive B: 300 mm of 0.01205 mm a count.
     for (target, refused) in [(-1, true), (0, false), (24_896, false), (24_897, true)] {
-        let expected = if refused { Err(Refusal::BeyondEnd) } else { Ok(()) };
+        let expected = if refused { Err(Refusal::BeyondSoftLimit) } else { Ok(()) };
         assert_eq!(started(&[], target), expected, "{target}");
     }
     assert_eq!(started(&[(id::END_MIN_COUNTS, -200)], -1), Ok(()));

@@ -183,7 +183,7 @@ fn behind_a_run_that_ends_in_a_profile_the_setpoint_stands_and_nothing_is_fed_fo
 }
 
 #[test]
-fn a_wave_or_noise_beyond_an_end_position_is_refused_before_it_begins() {
+fn a_wave_or_noise_beyond_a_soft_limit_is_refused_before_it_begins() {
     let config = with(&[(id::END_MIN_COUNTS, 0), (id::END_MAX_COUNTS, 1000)]);
     let wave = |amplitude| Profile::Wave(Wave { amplitude, samples: 9, rate: 1, sweep: 0 });
     let noise = |amplitude| Profile::Noise(Noise { amplitude, samples: 9, hold: 1, taps: 3 });
@@ -198,7 +198,11 @@ fn a_wave_or_noise_beyond_an_end_position_is_refused_before_it_begins() {
     ] {
         let sequence = moves(&[Move { at_sample: 0, target, profile }]);
         let started = armed().start(&config, &sequence);
-        assert_eq!(started, if allowed { Ok(()) } else { Err(Refusal::BeyondEnd) }, "{target} {profile:?}");
+        assert_eq!(
+            started,
+            if allowed { Ok(()) } else { Err(Refusal::BeyondSoftLimit) },
+            "{target} {profile:?}"
+        );
     }
 }
 

@@ -106,7 +106,7 @@ fn key_of(error: ConfigError) -> &'static str {
         ConfigError::PositionLimitsCrossed => keys::safety::POSITION_MARGIN_MM.path,
         ConfigError::PressureRangeEmpty => keys::sensors::PRESSURE_MIN_PA.path,
         ConfigError::SpoolRangeEmpty => keys::sensors::SPOOL_MIN_MM.path,
-        ConfigError::EndPositionsCrossed => keys::safety::END_MIN_MM.path,
+        ConfigError::SoftLimitsCrossed => keys::safety::END_MIN_MM.path,
         ConfigError::HomingStandsStill => keys::controller::HOMING_COMMAND_COUNTS.path,
         ConfigError::PulseTooLong => keys::stepper::PULSE_WIDTH_US.path,
         ConfigError::NothingToFeedBack => keys::controller::PRESSURE_FEEDBACK_GAIN.path,

@@ -111,7 +111,7 @@ impl Rig {
             (id::SENSOR_LOW_RAW, low),
             (id::SENSOR_HIGH_RAW, high),
         ];
-        values.extend(self.end_positions(counts));
+        values.extend(self.soft_limits(counts));
         values.extend(self.no_motion_counts());
         values
     }
@@ -126,7 +126,7 @@ impl Rig {
 
     /// The soft limits, with `counts` of a length in metres. A setpoint of a closed loop outside the stroke
     /// can only be a slip; an open loop may push against its stops, unless the file says otherwise.
-    fn end_positions(&self, counts: impl Fn(f64) -> i32) -> [(u16, i32); 2] {
+    fn soft_limits(&self, counts: impl Fn(f64) -> i32) -> [(u16, i32); 2] {
         use keys::safety as key;
         let [lowest, highest] = match self.get(&keys::controller::LOOP) {
             Loop::Closed => [0, counts(self.get(&keys::actuator::STROKE_M))],

@@ -273,7 +273,7 @@ fn a_move_to_the_end_of_the_stroke_is_one_that_the_controller_takes() {
 }
 
 #[test]
-fn setpoints_beyond_a_software_end_position_are_refused() {
+fn setpoints_beyond_a_soft_limit_are_refused() {
     let message = only_problem("[safety]\nend_max_mm = 150\n");
     assert!(message.contains("safety.end_max_mm: setpoint 16384 lies beyond it"), "{message}");
     let ends = |text: &str| {

@@ -167,7 +167,7 @@ impl<R: BorrowMut<Recorder>> Control<R> {
         }
         match record.next.extremes().iter().all(|&end| config.limits.allows(end)) {
             true => Ok(Some(record)),
-            false => Err(Refusal::BeyondEnd.code()),
+            false => Err(Refusal::BeyondSoftLimit.code()),
         }
     }
 }

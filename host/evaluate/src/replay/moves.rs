@@ -82,7 +82,7 @@ fn closed_loop(config: &Config, recorded: &[RecordedSample]) -> Result<Vec<Plan>
     };
     let moves = changes(held_first, &counts);
     let mut plans = vec![plan(&moves)?];
-    let allowed = |target: &i32| (config.limits.end_min..=config.limits.end_max).contains(target);
+    let allowed = |target: &i32| (config.limits.soft_min..=config.limits.soft_max).contains(target);
     if let Some(target) = held_first.filter(allowed)
         && config.law.learning_gain > 0
     {
@@ -106,7 +106,7 @@ fn sequence(config: &Config, moves: &[Move], samples: usize) -> Result<Sequence,
     for next in moves {
         sequence.push(*next).map_err(|_| ReplayError::TooManyMoves(next.at_sample as i32))?;
     }
-    let target = 0.max(config.limits.end_min).min(config.limits.end_max);
+    let target = 0.max(config.limits.soft_min).min(config.limits.soft_max);
     // If there is no room, there are no further moves either.
     let _ = sequence.push(Move::step(samples as u32, target));
     Ok(sequence)

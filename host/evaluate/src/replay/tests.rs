@@ -300,7 +300,7 @@ fn a_file_that_cannot_be_replayed_is_refused_by_name() {
             "gain_profile = 70000, which is out of range: 0 to 65535",
         ),
         (|file| put(file, "param.delay_us", "1300"), "delay_us must be less than period_us"),
-        (|file| put(file, "param.end_max_counts", "8500"), "a setpoint lies beyond a software end position"),
+        (|file| put(file, "param.end_max_counts", "8500"), "a setpoint lies beyond a soft limit"),
         (|file| file.samples[9].1.error = i16::MAX, "the setpoint of samples 9 to 9 is not in the file"),
         (|file| file.samples[9].1.position = i32::MAX, "sample 9 give no setpoint of 32 bits"),
     ] {

@@ -187,8 +187,8 @@ impl Controller {
             Some(_) => self.state.redirect(&self.config, setpoint),
         };
         accepted.map_err(|refusal| match refusal {
-            Refusal::BeyondEnd => {
-                anyhow!("the setpoint, {setpoint} counts, lies beyond a software end position (safety.end_min_mm, safety.end_max_mm; without them the stroke)")
+            Refusal::BeyondSoftLimit => {
+                anyhow!("the setpoint, {setpoint} counts, lies beyond a soft limit (safety.end_min_mm, safety.end_max_mm; without them the stroke)")
             }
             other => refused(other),
         })?;

@@ -51,7 +51,7 @@ impl DriveModel {
     /// To the next sample.
     pub fn step(&mut self, inputs: &[Value]) -> Result<()> {
         let setpoint = match inputs.first() {
-            // A position that no count can have is beyond every end position.
+            // A position that no count can have is beyond every soft limit.
             Some(Value::Float(metres)) => (metres / self.pulse).round() as i32,
             _ => integer(inputs, 0),
         };

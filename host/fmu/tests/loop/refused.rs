@@ -56,7 +56,7 @@ fn a_setpoint_beyond_the_stroke_fails_the_step_and_says_where_the_end_is_given()
     for metres in [-0.01, 5.0, 1e300] {
         drive.set("setpoint_m", Value::Float(metres)).expect("a number");
         let failed = drive.instance.step(drive.instance.time(), period(&rig)).expect_err("beyond");
-        assert!(format!("{failed:#}").contains("beyond a software end position"), "{failed:#}");
+        assert!(format!("{failed:#}").contains("beyond a soft limit"), "{failed:#}");
         assert!(drive.instance.step(drive.instance.time(), period(&rig)).is_err(), "it has failed");
         drive.instance.restore(state).expect("kept");
     }

@@ -55,7 +55,7 @@ pub struct Steps {
 }
 
 impl Steps {
-    /// A step of `step_mm` at a place between 5 and 95 % of the stroke, or between the software ends.
+    /// A step of `step_mm` at a place between 5 and 95 % of the stroke, or between the soft limits.
     ///
     /// # Errors
     /// When it does not fit between them, or is shorter than a count.

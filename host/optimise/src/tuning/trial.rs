@@ -249,13 +249,13 @@ fn with_moves(file: &RigFile, settings: &[String], moves: &str) -> Result<Rig, P
     file.with(&settings)
 }
 
-/// Settings with which a rig is valid whatever its software ends are: an open loop has no setpoints.
+/// Settings with which a rig is valid whatever its soft limits are: an open loop has no setpoints.
 fn unlimited(settings: &[String]) -> Vec<String> {
     settings.iter().cloned().chain([keys::controller::LOOP.setting(Loop::Open.word())]).collect()
 }
 
 impl StepRange {
-    /// Between the positions that are typed and the software ends; from the ends of the stroke a step keeps the
+    /// Between the positions that are typed and the soft limits; from the ends of the stroke a step keeps the
     /// distance that it may overshoot by, or settle within.
     fn of(rig: &Rig, task: &Task) -> Result<StepRange> {
         let (mm, goal) = (mm_per_count(rig), &task.goal);

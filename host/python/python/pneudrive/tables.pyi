@@ -634,10 +634,10 @@ class Safety(Table):
         """Whether a pressure within a 64th of the range of an end of its converter trips, if no pressure of the drive can be there."""
     @property
     def end_min_mm(self) -> float | None:
-        """Software end position: a closed loop refuses lower setpoints, an open loop pushes no further, mm."""
+        """Lower soft limit: a closed loop refuses lower setpoints, an open loop pushes no further, mm."""
     @property
     def end_max_mm(self) -> float | None:
-        """The other software end position, mm."""
+        """The upper soft limit, mm."""
     @property
     def host_silence_s(self) -> float:
         """Silence of the host that trips a running move or homing run; 0: off, s."""

@@ -61,7 +61,7 @@ fn what_is_no_way_is_refused_with_its_line_and_what_to_do() {
         (with("0,100\n"), "it has 1 points"),
         (with("0.5,100\n1,120\n"), "line 2: the first point is at 0.5 s"),
         (with("0,100\n0.5,120\n0.4,130\n"), "line 4: 0.4 s is not after line 3"),
-        (with("0,100\n1,301\n"), "line 3: 301 mm is not between the end positions of 0 and 300 mm"),
+        (with("0,100\n1,301\n"), "line 3: 301 mm is not between the soft limits of 0 and 300 mm"),
         (with("0,100\n0.1,200\n"), "line 3: 1000.0 mm/s from line 2 on are above test.velocity_mm_s = 500"),
         (with("0,100\n0.1,200\n"), "--set test.velocity_mm_s=1000"),
         (

@@ -53,7 +53,7 @@ fn rules(parameters: &Parameters) -> [(bool, ConfigError); 14] {
         (none_is_high || get(id::SENSOR_HIGH_RAW) <= full, ConfigError::SensorHighBeyondConverter),
         (range > 0, ConfigError::PositionLimitsCrossed),
         (get(id::ENCODER_STEP_COUNTS) < range, ConfigError::EncoderStepSpansLimits),
-        (below(id::END_MIN_COUNTS, id::END_MAX_COUNTS), ConfigError::EndPositionsCrossed),
+        (below(id::END_MIN_COUNTS, id::END_MAX_COUNTS), ConfigError::SoftLimitsCrossed),
         (below(id::PRESSURE_MIN_PA, id::PRESSURE_MAX_PA), ConfigError::PressureRangeEmpty),
         (below(id::SPOOL_MIN_NM, id::SPOOL_MAX_NM), ConfigError::SpoolRangeEmpty),
         (get(id::HOMING_COMMAND_COUNTS) != 0, ConfigError::HomingStandsStill),
@@ -101,7 +101,7 @@ mod tests {
                 &[(id::ENCODER_STEP_COUNTS, 25_394)],
                 Error::EncoderStepSpansLimits,
             ),
-            (&[(id::END_MIN_COUNTS, 24_895)], &[(id::END_MIN_COUNTS, 24_896)], Error::EndPositionsCrossed),
+            (&[(id::END_MIN_COUNTS, 24_895)], &[(id::END_MIN_COUNTS, 24_896)], Error::SoftLimitsCrossed),
             (
                 &[(id::PRESSURE_MIN_PA, 999_999)],
                 &[(id::PRESSURE_MIN_PA, 1_000_000)],

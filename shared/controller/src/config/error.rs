@@ -22,7 +22,7 @@ pub enum ConfigError {
     /// `spool_min_nm` must be below `spool_max_nm`.
     SpoolRangeEmpty,
     /// `end_min_counts` must be below `end_max_counts`.
-    EndPositionsCrossed,
+    SoftLimitsCrossed,
     /// `homing_command_counts` must not be 0.
     HomingStandsStill,
     /// `direction_setup_us` and `pulse_width_us` together must be less than `period_us`.
@@ -56,7 +56,7 @@ impl ConfigError {
             ConfigError::PositionLimitsCrossed => "position_min_counts must be below position_max_counts",
             ConfigError::PressureRangeEmpty => "pressure_min_pa must be below pressure_max_pa",
             ConfigError::SpoolRangeEmpty => "spool_min_nm must be below spool_max_nm",
-            ConfigError::EndPositionsCrossed => "end_min_counts must be below end_max_counts",
+            ConfigError::SoftLimitsCrossed => "end_min_counts must be below end_max_counts",
             ConfigError::HomingStandsStill => "homing_command_counts must be other than 0",
             ConfigError::PulseTooLong => {
                 "direction_setup_us and pulse_width_us together must be less than period_us"

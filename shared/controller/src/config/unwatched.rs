@@ -2,11 +2,11 @@
 //!
 //! | check | is off where |
 //! |---|---|
-//! | [`Fault::PositionOutside`] | a limit is more than 1 m, and more than the end positions are apart, beyond its end position |
+//! | [`Fault::PositionOutside`] | a limit is more than 1 m, and more than the soft limits are apart, beyond its soft limit |
 //! | [`Fault::EncoderStep`] | the step is one at more than 20 m/s |
 //! | [`Fault::HostSilent`] | `host_silence_ms` is 0 or more than 10 s |
 //! | [`Fault::SensorRange`] | pressures are measured, and neither end of their converter is watched |
-//! | [`Fault::NoMotion`] | `no_motion_ms` is 0 or more than 60 s, or `no_motion_counts` reach from one end position to the other |
+//! | [`Fault::NoMotion`] | `no_motion_ms` is 0 or more than 60 s, or `no_motion_counts` reach from one soft limit to the other |
 //! | [`Fault::ModelAtBound`], [`Fault::PressureDoubtful`] | the law is "cascade" in a closed loop, and `model_bound_ms` or `pressure_doubt_ms` is 0 |
 
 use super::NONE_IS_HIGH;
@@ -24,8 +24,8 @@ const LONGEST_STANDSTILL_MS: i64 = 60_000;
 pub fn unwatched(parameters: &Parameters) -> impl Iterator<Item = Fault> {
     let get = |id| i64::from(parameters.scalar(id));
     let within = |value: i64, longest: i64| (1..=longest).contains(&value);
-    let (end_min, end_max) = (get(id::END_MIN_COUNTS), get(id::END_MAX_COUNTS));
-    let travel = end_max - end_min;
+    let (soft_min, soft_max) = (get(id::END_MIN_COUNTS), get(id::END_MAX_COUNTS));
+    let travel = soft_max - soft_min;
     let pm = get(id::ENCODER_PM_PER_COUNT);
     let is_far = |beyond: i64| beyond > travel && beyond > METRE_PM / pm.max(1);
     let sensors_off = get(id::SENSOR_LOW_RAW) < 0 && get(id::SENSOR_HIGH_RAW) == i64::from(NONE_IS_HIGH);
@@ -33,7 +33,8 @@ pub fn unwatched(parameters: &Parameters) -> impl Iterator<Item = Fault> {
     [
         (
             Fault::PositionOutside,
-            is_far(end_min - get(id::POSITION_MIN_COUNTS)) || is_far(get(id::POSITION_MAX_COUNTS) - end_max),
+            is_far(soft_min - get(id::POSITION_MIN_COUNTS))
+                || is_far(get(id::POSITION_MAX_COUNTS) - soft_max),
         ),
         (Fault::EncoderStep, get(id::ENCODER_STEP_COUNTS).saturating_mul(pm) > FASTEST * get(id::PERIOD_US)),
         (Fault::HostSilent, !within(get(id::HOST_SILENCE_MS), LONGEST_SILENCE_MS)),
@@ -64,7 +65,7 @@ mod tests {
         assert_eq!(unwatched(&Parameters::default()).next(), None);
     }
 
-    /// 1 m is 82,987 counts of 12.05 um; the end positions are 0 and 24,896; 20 m/s are 2157 counts in 1.3 ms.
+    /// 1 m is 82,987 counts of 12.05 um; the soft limits are 0 and 24,896; 20 m/s are 2157 counts in 1.3 ms.
     #[test]
     fn each_check_is_off_from_where_the_table_says() {
         type Changes = &'static [(u16, i32)];

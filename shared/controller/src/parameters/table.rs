@@ -90,8 +90,8 @@ macro_rules! parameter_table {
                 29 STEPPER "stepper" "" [0, 1, 0] () "L(22)" "0: a DAC drives the valve. 1: a stepper does.";
                 33 PRESSURE_FEEDBACK_GAIN "pressure_feedback_gain" "" [0, GAIN_MAX, 775] () "C(68)" "Gain of the on-off law on the raw quasi-transient pressure difference.";
                 39 LEARNING_GAIN "learning_gain" "" [0, GAIN_MAX, 0] () "8.2.3" "How much of the error at rest goes into the null offset; 0: nothing is learned, 1: the thesis.";
-                40 END_MIN_COUNTS "end_min_counts" "counts" [-COUNT_MAX, COUNT_MAX, 0] () "" "Software end position: a closed loop refuses lower setpoints, an open loop pushes no further.";
-                41 END_MAX_COUNTS "end_max_counts" "counts" [-COUNT_MAX, COUNT_MAX, 24_896] () "" "The other software end position.";
+                40 END_MIN_COUNTS "end_min_counts" "counts" [-COUNT_MAX, COUNT_MAX, 0] () "" "Lower soft limit: a closed loop refuses lower setpoints, an open loop pushes no further.";
+                41 END_MAX_COUNTS "end_max_counts" "counts" [-COUNT_MAX, COUNT_MAX, 24_896] () "" "The upper soft limit.";
                 42 SENSOR_LOW_RAW "sensor_low_raw" "" [-1, RAW_MAX, 63] () "" "A pressure at or below it is that of an open sensor and trips; -1: off.";
                 43 SENSOR_HIGH_RAW "sensor_high_raw" "" [1, RAW_MAX, 4032] () "" "A pressure at or above it is that of a shorted sensor and trips; 32767: off.";
                 44 SENSOR_SAMPLES "sensor_samples" "samples" [1, 10_000, 4] () "" "Samples on end that a pressure must stay there to trip.";

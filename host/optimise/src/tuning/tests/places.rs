@@ -90,7 +90,7 @@ fn a_step_begins_anywhere_between_the_ends_goes_either_way_and_stays_inside() {
         for (setpoint, expected) in setpoints.iter().zip(expected) {
             assert!((setpoint - expected).abs() < 0.02, "{place} {extends}: {setpoints:?}");
         }
-        assert!(setpoints.iter().all(|mm| *mm >= 20.0), "the software end: {setpoints:?}");
+        assert!(setpoints.iter().all(|mm| *mm >= 20.0), "the soft limit: {setpoints:?}");
     }
     let typed = Task { between_mm: [Some(100.0), Some(170.0)], ..task };
     let trial = Trial::of(&typed, &[]).expect("a trial");
