@@ -10,12 +10,14 @@
 //! | [`board`] | the image on a board, where one is named: `cargo xtask hil` |
 //!
 //! [`emulated_board`] is that emulator with its plant, [`board_plant`] the plant of a board, over its second serial port.
+//! [`converter`] is what converters of a board make of codes and voltages.
 
 #[cfg(unix)]
 pub mod board;
 #[cfg(unix)]
 pub mod board_plant;
 pub mod body;
+pub mod converter;
 #[cfg(unix)]
 pub mod cost;
 #[cfg(unix)]

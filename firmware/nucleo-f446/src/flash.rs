@@ -3,7 +3,8 @@
 
 use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash};
 use pneudrive_app::runtime::talk::Watchdog as _;
-use pneudrive_plan::nucleo::flash::{BYTES, UNIT, is_kept, sectors};
+use pneudrive_plan::nucleo::flash::{BYTES, KEPT, UNIT, sectors};
+use pneudrive_plan::range;
 use stm32f4xx_hal::flash::FlashExt;
 use stm32f4xx_hal::pac::FLASH;
 
@@ -70,7 +71,7 @@ impl NorFlash for KeptFlash {
     }
 
     fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), NorFlashErrorKind> {
-        if !is_kept(offset, bytes.len()) {
+        if !range::contains(&KEPT, offset, bytes.len()) {
             return Err(NorFlashErrorKind::OutOfBounds);
         }
         tidy(&self.flash);

@@ -8,7 +8,8 @@ use core::slice;
 
 use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash};
 use pneudrive_app::runtime::talk::Watchdog as _;
-use pneudrive_plan::pico2::flash::{BYTES, KEPT, PAGE, SECTOR, is_kept, page};
+use pneudrive_plan::pico2::flash::{BYTES, KEPT, PAGE, SECTOR, page};
+use pneudrive_plan::range;
 use rp235x_hal::rom_data::{
     connect_internal_flash, flash_exit_xip, flash_flush_cache, flash_range_erase, flash_range_program,
 };
@@ -113,7 +114,7 @@ impl ReadNorFlash for KeptFlash {
     const READ_SIZE: usize = 1;
 
     fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), NorFlashErrorKind> {
-        if !is_kept(offset, bytes.len()) {
+        if !range::contains(&KEPT, offset, bytes.len()) {
             return Err(NorFlashErrorKind::OutOfBounds);
         }
         // SAFETY: bytes of the flash that nobody writes meanwhile, as writing takes this by `&mut`.
@@ -147,7 +148,7 @@ impl NorFlash for KeptFlash {
 
     /// Page by page. The bytes of a page that are not written are programmed as 0xff, which changes none.
     fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), NorFlashErrorKind> {
-        if !is_kept(offset, bytes.len()) {
+        if !range::contains(&KEPT, offset, bytes.len()) {
             return Err(NorFlashErrorKind::OutOfBounds);
         }
         let (mut offset, mut rest) = (offset, bytes);

@@ -5,3 +5,4 @@
 
 pub mod nucleo;
 pub mod pico2;
+pub mod range;

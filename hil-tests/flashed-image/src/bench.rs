@@ -12,12 +12,10 @@
 //! change at the instants at which channel 1 of TIM5 matches, and not in between: so they do not depend on how long the
 //! processor takes to read them, and a record is that of the simulation. How long it takes is measured beside.
 
-use pneudrive_controller::drive::MAX_COUNTS;
 use pneudrive_controller::{Command, Sample};
+use pneudrive_hil_tests::converter::{code_centre_v, command_of};
 use pneudrive_sim::{Accuracy, Plant, Rig};
 
-use crate::peripheral::adc::middle_of;
-use crate::peripheral::dac::{CODES, REFERENCE_V};
 use crate::tap::Begun;
 
 /// What may be wrong with the wires.
@@ -150,7 +148,7 @@ impl PinBench {
     fn command(&mut self, driven: Driven) -> Command {
         self.spool_steps += i16::from(driven.steps);
         let counts = match driven.volts {
-            Some(volts) if driven.enabled && self.spool_steps == 0 => counts_of(volts),
+            Some(volts) if driven.enabled && self.spool_steps == 0 => command_of(volts),
             _ => self.spool_steps,
         };
         Command { counts, step: driven.steps, drive_enable: driven.enabled }
@@ -160,30 +158,10 @@ impl PinBench {
     #[must_use]
     pub fn volts(&self) -> [f64; 3] {
         let Sample { pressure_1, pressure_2, spool, .. } = self.sample;
-        let mut volts = [pressure_1, pressure_2, spool].map(middle_of);
+        let mut volts = [pressure_1, pressure_2, spool].map(code_centre_v);
         for (volts, open) in volts.iter_mut().zip(self.wiring.sensors_open) {
             *volts = if open { 0.0 } else { *volts };
         }
         volts
-    }
-}
-
-/// The amplifier's command, counts from its null.
-fn counts_of(volts: f64) -> i16 {
-    (volts / REFERENCE_V * CODES).round() as i16 - MAX_COUNTS
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use pneudrive_controller::drive::{DacCode, DacConfig};
-
-    #[test]
-    fn the_amplifier_makes_of_every_code_the_counts_that_the_board_meant() {
-        let dac = DacConfig { null_code: DacCode::MIDDLE, inverted: false, max_counts: 2047 };
-        for counts in -2047..=2047 {
-            let volts = REFERENCE_V * f64::from(dac.code(counts).get()) / CODES;
-            assert_eq!(counts_of(volts), counts);
-        }
     }
 }

@@ -2,10 +2,10 @@
 //! takes one cycle or six.
 
 use pneudrive_flashed_image::machine::Machine;
-use pneudrive_flashed_image::peripheral::dac::{CODES, REFERENCE_V};
 use pneudrive_flashed_image::target::{FlashedTarget, NUCLEO};
 use pneudrive_flashed_image::time::{Corner, FAST, SLOWEST};
 use pneudrive_hil_tests::body::soak;
+use pneudrive_hil_tests::converter::command_of;
 use pneudrive_hil_tests::{Supplied, Target, body, rounding};
 use pneudrive_sim::Rig;
 
@@ -227,13 +227,8 @@ fn the_pin_has_the_command_of_the_record_up_to_the_largest() {
         target.with(move |machine| machine.inject_at(10, Box::new(look))).expect("a board that runs");
         let record = body::run_and_record(&target, &rig);
         let volts = told.recv().expect("a run of ten samples");
-        let at_pin = (volts / REFERENCE_V * CODES).round() - CODES / 2.0;
         let expected = asked.clamp(-2047, 2047);
-        assert_eq!(
-            (at_pin, record.samples[10].command),
-            (f64::from(expected), expected as i16),
-            "{asked} counts"
-        );
+        assert_eq!((command_of(volts), record.samples[10].command), (expected, expected), "{asked} counts");
     }
 }
 

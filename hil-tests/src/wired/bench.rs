@@ -14,12 +14,12 @@ use std::cell::RefCell;
 use std::rc::Rc;
 
 use pneudrive_controller::config::Timing;
-use pneudrive_controller::drive::MAX_COUNTS;
 use pneudrive_controller::{Command, Mode, Sample};
 use pneudrive_sim::{Accuracy, IntegrationError, Plant, Rig};
 
-use super::chips::{CODES, Ls7366r, REFERENCE_V};
+use super::chips::Ls7366r;
 use super::wires::Wires;
+use crate::converter::{code_centre_v, command_of};
 
 /// The plant, and what it is wired to.
 pub struct ChipBench {
@@ -70,7 +70,7 @@ impl ChipBench {
     /// When the plant cannot be simulated.
     pub fn sample(&mut self) -> Result<(), IntegrationError> {
         let Sample { position, pressure_1, pressure_2, spool, .. } = self.plant.sample()?;
-        self.wires.borrow_mut().sensors_v = [pressure_1, pressure_2, spool].map(middle_of);
+        self.wires.borrow_mut().sensors_v = [pressure_1, pressure_2, spool].map(code_centre_v);
         self.walk_to(position);
         self.k += 1;
         Ok(())
@@ -107,19 +107,9 @@ impl ChipBench {
         let step = std::mem::take(&mut lines.steps);
         self.spool_steps += i16::from(step);
         let counts = match lines.command_v {
-            Some(volts) if lines.enable && self.spool_steps == 0 => counts_of(volts),
+            Some(volts) if lines.enable && self.spool_steps == 0 => command_of(volts),
             _ => self.spool_steps,
         };
         Command { counts, step, drive_enable: lines.enable }
     }
-}
-
-/// The middle of the voltages that a code stands for, V.
-fn middle_of(code: i16) -> f64 {
-    (f64::from(code) + 0.5) / CODES * REFERENCE_V
-}
-
-/// The amplifier's command, counts from its null.
-fn counts_of(volts: f64) -> i16 {
-    (volts / REFERENCE_V * CODES).round() as i16 - MAX_COUNTS
 }

@@ -4,12 +4,7 @@
 use super::Chip;
 use super::bus::{ChipModel, Limits};
 use super::wires::Wires;
-
-/// Voltage of both converters' reference, V.
-pub const REFERENCE_V: f64 = 3.3;
-
-/// Codes of both.
-pub const CODES: f64 = 4096.0;
+use crate::converter::{code_of, output_v};
 
 /// MCP4922, converter A.
 pub struct Mcp4922 {
@@ -51,7 +46,7 @@ impl ChipModel for Mcp4922 {
         }
         let gain = if self.shifted >> 13 & 1 == 1 { 1.0 } else { 2.0 };
         let active = self.shifted >> 12 & 1 == 1;
-        let volts = gain * REFERENCE_V * f64::from(self.shifted & 0xfff) / CODES;
+        let volts = gain * output_v((self.shifted & 0xfff) as u16);
         self.wires.borrow_mut().command_v = active.then_some(volts);
     }
 }
@@ -74,11 +69,7 @@ impl Mcp3208 {
     /// The code of the voltage at the channel.
     fn converted(&self) -> u16 {
         let volts = self.wires.borrow().sensors_v.get(self.channel).copied().unwrap_or(0.0);
-        if self.single_ended {
-            (volts / REFERENCE_V * CODES).floor().clamp(0.0, CODES - 1.0) as u16
-        } else {
-            0
-        }
+        if self.single_ended { code_of(volts) } else { 0 }
     }
 }
 

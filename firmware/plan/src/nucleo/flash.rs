@@ -44,13 +44,6 @@ pub fn sectors(range: &Range<u32>) -> Option<RangeInclusive<u8>> {
     Some(first as u8..=behind.saturating_sub(1) as u8)
 }
 
-/// Whether this many bytes from an offset on all lie in the kept range.
-#[must_use]
-pub fn is_kept(offset: u32, bytes: usize) -> bool {
-    let behind = u32::try_from(bytes).ok().and_then(|bytes| offset.checked_add(bytes));
-    offset >= KEPT.start && behind.is_some_and(|behind| behind <= KEPT.end)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -73,11 +66,5 @@ mod tests {
             assert_eq!(sectors(&range), None, "{range:x?}");
         }
         assert_eq!(sectors(&(0x4000..0x2_0000)), Some(1..=4));
-    }
-
-    #[test]
-    fn writing_ends_where_the_program_begins() {
-        assert!(is_kept(0x4000, 32) && is_kept(0x1_ffe0, 32));
-        assert!(!is_kept(0x3fff, 1) && !is_kept(0x1_ffe1, 32) && !is_kept(u32::MAX, 32));
     }
 }

@@ -34,13 +34,6 @@ pub fn layout() -> Layout {
     }
 }
 
-/// Whether this many bytes from an offset on all lie in the kept range.
-#[must_use]
-pub fn is_kept(offset: u32, bytes: usize) -> bool {
-    let behind = u32::try_from(bytes).ok().and_then(|bytes| offset.checked_add(bytes));
-    offset >= KEPT.start && behind.is_some_and(|behind| behind <= KEPT.end)
-}
-
 /// The page that an offset is in, and the place in it.
 #[must_use]
 pub fn page(offset: u32) -> (u32, usize) {
@@ -59,12 +52,6 @@ mod tests {
         assert!(slots.iter().all(|slot| slot.start % SECTOR == 0 && slot.end % SECTOR == 0));
         assert!(slots.windows(2).all(|pair| pair[0].end == pair[1].start));
         assert_eq!((slots[0].start, slots[3].end), (KEPT.start, KEPT.end));
-    }
-
-    #[test]
-    fn writing_begins_behind_the_program_and_ends_with_the_flash() {
-        assert!(is_kept(KEPT.start, 32) && is_kept(BYTES - 32, 32));
-        assert!(!is_kept(KEPT.start - 1, 32) && !is_kept(BYTES - 31, 32) && !is_kept(u32::MAX, 32));
     }
 
     #[test]

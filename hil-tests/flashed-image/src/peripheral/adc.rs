@@ -8,7 +8,8 @@
 
 use std::collections::VecDeque;
 
-use crate::peripheral::dac::{CODES, REFERENCE_V};
+use pneudrive_hil_tests::converter::code_of;
+
 use crate::register::{Words, Write};
 use crate::time::Ticks;
 
@@ -107,28 +108,23 @@ impl Adc {
 
     /// Takes a conversion of a voltage into the data register; the code, where it is asked to go on by DMA.
     pub fn convert(&mut self, volts: f64) -> Option<u16> {
-        let code = (volts / REFERENCE_V * CODES).floor().clamp(0.0, CODES - 1.0) as u16;
+        let code = code_of(volts);
         self.words.set(DR, u32::from(code));
         self.words.bit(CR2, DMA).then_some(code)
     }
 }
 
-/// The voltage in the middle of a code.
-#[must_use]
-pub fn middle_of(code: i16) -> f64 {
-    (f64::from(code) + 0.5) / CODES * REFERENCE_V
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use pneudrive_hil_tests::converter::code_centre_v;
 
     #[test]
     fn every_code_comes_back_from_the_middle_of_its_voltages() {
         let mut adc = Adc::new(false);
         adc.write(Write::of(CR2, 4, 1 << ADON | 1 << DMA), 8, 0);
         for code in 0..4096 {
-            assert_eq!(adc.convert(middle_of(code)), Some(code as u16));
+            assert_eq!(adc.convert(code_centre_v(code)), Some(code as u16));
         }
         assert_eq!((adc.convert(-0.1), adc.convert(3.4)), (Some(0), Some(4095)));
     }

@@ -7,17 +7,13 @@
 //!
 //! The output's stage, which does not reach the last 0.2 V to either side, is not modelled.
 
+use pneudrive_hil_tests::converter::output_v;
+
 use crate::register::{Words, Write};
 
 const CR: u32 = 0x00;
 const DHR12R1: u32 = 0x08;
 const DOR1: u32 = 0x2c;
-
-/// The reference of both converters, V.
-pub const REFERENCE_V: f64 = 3.3;
-
-/// Codes of a converter.
-pub const CODES: f64 = 4096.0;
 
 /// The peripheral.
 pub struct Dac(Words<14>);
@@ -45,6 +41,6 @@ impl Dac {
     /// What stands at the pin, V.
     #[must_use]
     pub fn volts(&self) -> f64 {
-        if self.0.bit(CR, 0) { REFERENCE_V * f64::from(self.0.field(DHR12R1, 0, 12)) / CODES } else { 0.0 }
+        if self.0.bit(CR, 0) { output_v(self.0.field(DHR12R1, 0, 12) as u16) } else { 0.0 }
     }
 }
