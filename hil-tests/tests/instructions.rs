@@ -27,7 +27,7 @@ fn sample_and_output_take_no_more_instructions_than_is_held() {
         .unwrap_or_else(|error| panic!("{error:#}"));
 }
 
-/// The law cascade computes a model of the drive at each sample, and a way where a move begins.
+/// The law cascade computes a model of the drive at each sample, and a trajectory where a move begins.
 #[test]
 fn the_law_on_a_model_takes_no_more_instructions_than_is_held() {
     let costs = measure_cascade().expect("an emulated board");

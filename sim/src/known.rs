@@ -24,7 +24,7 @@ impl Rig {
 /// What the law knows at a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Known {
-    /// 0 at rest, 1 on a way of its own, 2 on that of a profile.
+    /// 0 at rest, 1 on a trajectory of its own, 2 on a profile.
     pub stage: f64,
     /// Where the load shall be, m, and how fast, m/s.
     pub reference: f64,

@@ -127,7 +127,7 @@ pub static EXTRAS: [Extra; 24] = [
         v.exhaust_flows[0]
     }),
     extra("exhaust_flow_2_kg_s", "from the exhaust into the node of port 2", |v| v.exhaust_flows[1]),
-    known("law_phase", "what the law does: 0 rest, 1 a way of its own, 2 a profile", |k| k.stage),
+    known("law_phase", "what the law does: 0 rest, 1 a trajectory of its own, 2 a profile", |k| k.stage),
     known("law_reference_mm", "where the law wants the load", |k| k.reference * 1e3),
     known("law_reference_velocity_m_s", "how fast the law wants the load", |k| k.reference_velocity),
     known("law_position_mm", "where the law takes the load to be", |k| k.position * 1e3),

@@ -46,7 +46,7 @@ macro_rules! laws {
             "moore-proportional" moore_proportional::MooreProportional, "One gain, and a step across the dead zone of the valve.";
             "on-off" on_off::OnOff, "A relay: the valve is shut or wide open.";
             "pid" pid::Pid, "PI-D on the position, with anti-windup.";
-            "cascade" cascade::Cascade, "A model of the drive: observers, a way, a loop of the force; nothing to tune.";
+            "cascade" cascade::Cascade, "A model of the drive: observers, a trajectory, a loop of the force; nothing to tune.";
         }
     };
 }

@@ -19,8 +19,8 @@
 //! | [`choice`] | what parameters choose among, by its words; the list of the laws |
 //! | [`config`] | the validated, immutable form of the parameters that the law runs on |
 //! | [`estimator`] | velocity and acceleration as differences of counts |
-//! | [`profile`] | the way of a setpoint while a move is under way |
-//! | [`sequence`] | the moves of a test: when, where to, on which way |
+//! | [`profile`] | the path of a setpoint while a move is under way |
+//! | [`sequence`] | the moves of a test: when, where to, on which path |
 //! | [`sequencer`] | which setpoint is in force, and whether it is reached |
 //! | [`law`] | reference and measured motion to an unlimited demand: a file a law |
 //! | [`learning`] | the command at which the valve is at its null, learned at rest |

@@ -286,7 +286,7 @@ proptest! {
     }
 }
 
-/// A drive with these changes on the way of an axis that swings about its moves.
+/// A drive with these changes along the path of an axis that swings about its moves.
 fn commands(changes: &[(u16, i32)], profile: Profile) -> Vec<i16> {
     let mut run = Run::of(with(changes), &[Move { at_sample: 0, target: 900, profile }]);
     let swing = (0..80_i32).map(|k| 10 * k + 37 * (k % 7 - 3));

@@ -106,9 +106,13 @@ pub(super) const DEAD_TIME_FACTOR: DesignVariable = design_variable(
     [0.7, 2.0],
     Logarithmic,
 );
-pub(super) const FLOW_SHARE: DesignVariable =
-    design_variable("share of the force and of the flow that its ways ask for", "", [0.2, 0.8], Logarithmic)
-        .bounded_above();
+pub(super) const FLOW_SHARE: DesignVariable = design_variable(
+    "share of the force and of the flow that its trajectories ask for",
+    "",
+    [0.2, 0.8],
+    Logarithmic,
+)
+.bounded_above();
 pub(super) const OBSERVER_FACTOR: DesignVariable =
     design_variable("speed of the observers, relative to the usual one", "", [0.4, 1.6], Logarithmic);
 pub(super) const DITHER: DesignVariable =

@@ -67,7 +67,7 @@ class Controller(Table):
         """How much longer than by the rig file the law cascade takes the dead time of its force loop to be. All its poles are parts of its inverse."""
     @property
     def cascade_flow_share(self) -> float:
-        """What the ways of the law cascade ask of the drive: this part of the force and of the rate of the force that there are, and 1.25 times as large a part of the speed."""
+        """What the trajectories of the law cascade ask of the drive: this part of the force and of the rate of the force that there are, and 1.25 times as large a part of the speed."""
     @property
     def cascade_observer_factor(self) -> float:
         """How much faster than usual the observers of the law cascade are; less than 1 smooths more."""

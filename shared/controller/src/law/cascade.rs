@@ -1,7 +1,7 @@
-//! A model-based law: observers, a learned load, a way, a force loop.
+//! A model-based law: observers, a learned load, a trajectory, a force loop.
 //!
 //! ```text
-//! sample -> motion -> flow -> load, lag -> plan: way, profile or rest -> force -> valve -> command
+//! sample -> motion -> flow -> load, lag -> plan: trajectory, profile or rest -> force -> valve -> command
 //! ```
 //!
 //! | module | holds |
@@ -12,29 +12,30 @@
 //! | [`flow`] | what the model of the flow misses |
 //! | [`load`] | mass, friction and standing force, learned while it moves |
 //! | [`lag`] | how much slower than by the rig file the valve is, learned while it moves |
-//! | [`way`] | from any motion to rest at a target, or from a deviation to a profile |
-//! | [`force`] | the rate of the force that keeps the load on its way |
-//! | [`rest`] | when a load rests, and the force that holds it |
+//! | [`trajectory`] | from any motion to rest at a target, or from a deviation to a profile |
+//! | [`force`] | the rate of the force that keeps the load on its trajectory |
+//! | `begin`, [`rest`] | how a run begins; when a load rests, and the force that holds it |
 //! | [`sensor`] | the force that pressure sensors with a lag do not show yet |
 //! | [`valve`] | the command for that rate |
 //! | `land`, `tubes` | how far a land before a port opens, and what tubes leave of the flow |
 //! | `spring`, `transition` | a spool on a spring with friction, that is measured; how a spool moves |
 //! | `stepper` | a spool that goes a step a sample |
-//! | [`known`] | what it knows at a sample, to be looked at |
+//! | `settings`, [`known`] | what the parameters say of the drive; what is known at a sample, to be looked at |
 //! | `number`, `squares` | products, quotients and roots; least squares |
 //!
 //! Units are counts of the encoder, samples, the supply pressure, and the force of that on area 1; a number in 2^-16 is Q16. What it
 //! knows of its drive is in its parameters, which `pneudrive-sim` makes of a rig file.
 //!
-//! A way begins from the motion that there is: at a new setpoint, and when the valve has been short of what is asked for 8 ms. A load
-//! above 100 mm/s that would pass its target is stopped first. The second sample of a run tells whether the load moves as the run
-//! begins. A profile is followed as it comes. Where it begins, where it jumps and where the valve has been short, a way of the
-//! deviation joins it. A load that stands at the end of its way, or creeps within 40 um of its target, rests.
+//! A trajectory begins from the motion that there is: at a new setpoint, and when the valve has been short of what is asked for 8 ms. A
+//! load above 100 mm/s that would pass its target is stopped first. The second sample of a run tells whether the load moves as the run
+//! begins. A profile is followed as it comes. Where it begins, where it jumps and where the valve has been short, a trajectory of the
+//! deviation joins it. A load that stands at the end of its trajectory, or creeps within 40 um of its target, rests.
 
 // An index that may lie outside is a panic, and whether a compiler sees that it never does differs from image to image.
 #![cfg_attr(not(test), deny(clippy::indexing_slicing))]
 
 pub mod air;
+mod begin;
 pub mod doubt;
 pub mod flow;
 pub mod force;
@@ -46,77 +47,42 @@ pub mod motion;
 mod number;
 pub mod rest;
 pub mod sensor;
+mod settings;
 mod spring;
 mod squares;
 mod stepper;
+pub mod trajectory;
 mod transition;
 mod tubes;
 pub mod valve;
-pub mod way;
 
 use super::{ControlLaw, LawConfig, Measured, Reference};
 use crate::fault::Fault;
-use crate::fixed::quotient;
-use crate::parameters::{Parameters, id};
 use crate::profile::Point;
 use air::Air;
+use begin::Begun;
 use doubt::Doubt;
 use flow::Flow;
 use lag::Lag;
 use load::Load;
 use motion::Motion;
-use number::{product, samples};
+use number::product;
 use rest::Rest;
 use sensor::Hidden;
+pub use settings::Settings;
+use trajectory::Trajectory;
 use valve::Valve;
-use way::{Limits, Way};
 
 /// 0.4 in Q16: the part of the running friction that a load at rest begins with.
 const LANDED: i32 = 26_214;
-
-/// What it knows of its drive.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Settings {
-    air: air::Constants,
-    motion: motion::Constants,
-    flow: flow::Constants,
-    load: load::Constants,
-    lag: lag::Constants,
-    force: force::Constants,
-    rest: rest::Constants,
-    sensor: sensor::Constants,
-    valve: valve::Constants,
-    doubt: doubt::Constants,
-    /// Speed and acceleration of its own ways, Q16; the part of the flow for their jerk, Q16; their shortest time, samples.
-    way: [i32; 3],
-    shortest: u32,
-    /// 8 ms, samples, and 20 mm/s, Q16: a way is late.
-    late: u32,
-    under_way: i32,
-    /// 100 mm/s, Q16: a load that is too fast for its target is stopped first.
-    fast: i32,
-    /// 0.5 mm, counts: a load that is so near to an end of the stroke may press on it.
-    near_end: i32,
-}
-
-/// How far a run has begun.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Begun {
-    /// It has seen no sample.
-    No,
-    /// It has seen one, from which it takes the load to be at rest.
-    Once,
-    /// The step from that to the second has told.
-    Yes,
-}
 
 /// What the load does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Phase {
     /// At rest, held by this force, about that which would hold it without friction, Q24.
     Rest { held: i32, centre: i32 },
-    /// On a way of its own, or at its end until it stands.
-    Way,
+    /// On a trajectory of its own, or at its end until it stands.
+    Trajectory,
     /// On that of a profile.
     Profile,
 }
@@ -128,18 +94,18 @@ pub struct Cascade {
     begun: Begun,
     target: i32,
     phase: Phase,
-    way: Way,
+    trajectory: Trajectory,
     /// Whether it only stops the load.
     stops: bool,
     /// From the motion that there was to that of a profile, and the point of the profile at the sample before.
-    joining: Way,
+    joining: Trajectory,
     led: Point,
     reference: Point,
     /// The force by the pressures and the wanted one, Q24: for who looks.
     forces: [i32; 2],
     /// Samples for which the valve has been short.
     short: u32,
-    /// The sign of the way.
+    /// The sign of its velocity.
     side: i32,
     rest: Rest,
     motion: Motion,
@@ -160,9 +126,9 @@ impl Default for Cascade {
             begun: Begun::No,
             target: 0,
             phase: Phase::Rest { held: 0, centre: 0 },
-            way: Way::default(),
+            trajectory: Trajectory::default(),
             stops: false,
-            joining: Way::default(),
+            joining: Trajectory::default(),
             led: Point::default(),
             reference: Point::default(),
             forces: [0; 2],
@@ -178,49 +144,6 @@ impl Default for Cascade {
             hidden: Hidden::default(),
             valve: Valve::default(),
             doubt: Doubt::default(),
-        }
-    }
-}
-
-impl Settings {
-    pub(crate) fn of(parameters: &Parameters) -> Settings {
-        let get = |id| parameters.scalar(id);
-        let period_us = get(id::PERIOD_US).unsigned_abs();
-        let count_pm = u64::from(get(id::ENCODER_PM_PER_COUNT).unsigned_abs());
-        // A m/s, counts a sample in Q16: up to 10^5 us times 10^6.
-        let speed = quotient((u64::from(period_us) * 1_000_000) << 16, count_pm).clamp(1, 1 << 30) as i32;
-        let air = air::Constants::of(parameters);
-        let load = load::Constants::of(parameters, period_us, speed);
-        let dead_time = get(id::CASCADE_DEAD_TIME).unsigned_abs();
-        Settings {
-            motion: motion::Constants::of(parameters, &load, period_us, speed),
-            flow: flow::Constants::of(parameters),
-            lag: lag::Constants::of(parameters, load.certainty),
-            force: force::Constants::of(parameters, &air),
-            sensor: sensor::Constants::of(parameters),
-            valve: valve::Constants::of(parameters),
-            doubt: doubt::Constants::of(parameters, period_us, count_pm),
-            rest: rest::Constants::of(parameters, period_us, count_pm, speed),
-            way: [get(id::CASCADE_WAY_SPEED), get(id::CASCADE_WAY_ACCELERATION), get(id::CASCADE_WAY_FLOW)],
-            shortest: ((2 * dead_time) >> 16).saturating_add(1).max(6),
-            late: samples(8000, period_us),
-            under_way: product(speed, 1311, 16),
-            fast: product(speed, 6554, 16),
-            near_end: quotient(500_000_000, count_pm) as i32,
-            air,
-            load,
-        }
-    }
-
-    /// The limits of a way about a place (counts) with a mass (1/M, Q16): the jerk is that of the flow at three fifths of the supply.
-    fn limits(&self, x: i32, by_mass: i32) -> Limits {
-        let rate = product(self.air.slower(x), self.way[2], 16);
-        let [speed, acceleration, _] = self.way;
-        Limits {
-            speed,
-            acceleration: product(acceleration, by_mass, 16).max(1),
-            jerk: product(product(rate, self.load.acceleration, 16), by_mass, 16).max(1),
-            shortest: self.shortest,
         }
     }
 }
@@ -242,37 +165,6 @@ impl Cascade {
     #[must_use]
     pub fn lag(&self) -> &Lag {
         &self.lag
-    }
-
-    fn begin_at(&mut self, settings: &Settings, count: i32, force: i32) {
-        self.load = Load::new(&settings.load);
-        self.motion = Motion::new(count, force, &self.load, settings.load.stiction);
-        self.flow = Flow::new(force);
-        self.lag = Lag::new(&settings.lag);
-        self.doubt = Doubt::new(force);
-        (self.begun, self.target) = (Begun::Once, count);
-        self.rest.begin(count);
-        // What holds it is not known before it has moved.
-        self.phase = Phase::Rest { held: force, centre: force };
-    }
-
-    /// The second sample of a run. A load that has gone two counts in it, and faster than a valve moves a load from rest, moved before:
-    /// by all that a sample tells, it goes on as it has.
-    #[cold]
-    #[inline(never)]
-    fn begin_again(&mut self, settings: &Settings, count: i32, reference: &Reference, force: i32) {
-        self.begun = Begun::Yes;
-        let step = count.saturating_sub(self.motion.count());
-        let speed = number::within(step, 1 << 14) << 16;
-        if step.unsigned_abs() < 2 || speed.saturating_abs() < settings.under_way {
-            return;
-        }
-        self.load = Load::in_motion(&settings.load, step, force);
-        self.motion = Motion::going(count, step, force, &self.load);
-        self.flow = Flow::new(force);
-        self.lag = Lag::new(&settings.lag);
-        self.target = count.saturating_add(reference.error);
-        self.set_off(settings, force);
     }
 
     /// The force, of which sensors with a lag show an older one.
@@ -337,8 +229,8 @@ impl Cascade {
         let (of_rest, error) = (&settings.rest, reference.error.unsigned_abs());
         match self.phase {
             Phase::Profile if self.has_been_led(of_rest, target) => {
-                (self.phase, self.short) = (Phase::Way, 0);
-                (self.way, self.stops) = (Way::at_rest(motion::middle(target)), false);
+                (self.phase, self.short) = (Phase::Trajectory, 0);
+                (self.trajectory, self.stops) = (Trajectory::at_rest(motion::middle(target)), false);
                 self.rest.set_off(&self.motion);
             }
             Phase::Profile => self.set_off(settings, force),
@@ -346,14 +238,14 @@ impl Cascade {
                 self.come_to_rest(settings, count, force)
             }
             _ if new => self.set_off(settings, force),
-            Phase::Way => {
-                self.way.advance();
-                let over = self.way.over();
+            Phase::Trajectory => {
+                self.trajectory.advance();
+                let over = self.trajectory.over();
                 if over.is_some_and(|over| self.stops || over > of_rest.overdue) {
                     self.set_off(settings, force);
                 } else if over.is_some_and(|over| self.rest.has_come(of_rest, &self.motion, over, error)) {
                     self.come_to_rest(settings, count, force);
-                } else if self.short > settings.late && self.motion.v.saturating_abs() > settings.under_way {
+                } else if self.short > settings.late && self.motion.v.saturating_abs() > settings.moving {
                     self.set_off(settings, force);
                 }
             }
@@ -372,14 +264,14 @@ impl Cascade {
         }
     }
 
-    /// A profile, joined by a way of its own where it begins, where it jumps, and where the valve has not kept up with it.
+    /// A profile, joined by a trajectory of its own where it begins, where it jumps, and where the valve has not kept up with it.
     fn follow(&mut self, settings: &Settings, point: &Point, force: i32) {
         let led = core::mem::replace(&mut self.led, *point);
-        let most = u64::from(settings.way[1].unsigned_abs());
+        let most = u64::from(settings.trajectory[1].unsigned_abs());
         let leaves = |is: i64, expected: i64| is.wrapping_sub(expected).unsigned_abs() > most;
         let jumps = leaves(point.x, led.x.wrapping_add(led.v.into()))
             || leaves(point.v.into(), i64::from(led.v) + i64::from(led.a));
-        let is_late = self.short > settings.late && self.motion.v.saturating_abs() > settings.under_way;
+        let is_late = self.short > settings.late && self.motion.v.saturating_abs() > settings.moving;
         self.joining.advance();
         if self.phase != Phase::Profile || jumps || is_late {
             let a = self.motion.acceleration(&settings.load, &self.load, force);
@@ -391,7 +283,7 @@ impl Cascade {
             };
             let limits = settings.limits((self.motion.x >> 16) as i32, self.load.by_mass);
             (self.phase, self.short) = (Phase::Profile, 0);
-            self.joining = Way::slowing(0, from, &limits);
+            self.joining = Trajectory::slowing(0, from, &limits);
         }
     }
 
@@ -407,12 +299,12 @@ impl Cascade {
         let centre = match self.phase {
             Phase::Rest { centre, .. } => centre,
             // To a thousandth of the supply's: it is not known better.
-            Phase::Way | Phase::Profile => (self.load.standing.saturating_add(1 << 13) >> 14) << 14,
+            Phase::Trajectory | Phase::Profile => (self.load.standing.saturating_add(1 << 13) >> 14) << 14,
         };
         self.phase = Phase::Rest { held: self.load.held(&settings.load, force, centre, LANDED), centre };
     }
 
-    /// A way from the motion that there is.
+    /// A trajectory from the motion that there is.
     fn set_off(&mut self, settings: &Settings, force: i32) {
         let a = self.motion.acceleration(&settings.load, &self.load, force);
         let from = Point { x: self.motion.x, v: self.motion.v, a, j: 0 };
@@ -420,15 +312,15 @@ impl Cascade {
         let middle = (self.motion.x >> 17).wrapping_add(target >> 17) as i32;
         let limits = settings.limits(middle, self.load.by_mass);
         let is_fast = from.v.saturating_abs() > settings.fast;
-        let stop = if is_fast { Way::braking(target, from, &limits) } else { None };
+        let stop = if is_fast { Trajectory::braking(target, from, &limits) } else { None };
         self.stops = stop.is_some();
-        self.way = match (stop, self.phase) {
+        self.trajectory = match (stop, self.phase) {
             (Some(stop), _) => stop,
             // It may have ended in motion.
-            (None, Phase::Profile) => Way::slowing(target, from, &limits),
-            (None, Phase::Way | Phase::Rest { .. }) => Way::to(target, from, &limits),
+            (None, Phase::Profile) => Trajectory::slowing(target, from, &limits),
+            (None, Phase::Trajectory | Phase::Rest { .. }) => Trajectory::to(target, from, &limits),
         };
-        (self.phase, self.short) = (Phase::Way, 0);
+        (self.phase, self.short) = (Phase::Trajectory, 0);
         self.rest.set_off(&self.motion);
     }
 
@@ -438,7 +330,7 @@ impl Cascade {
         twice.saturating_add(soon.saturating_sub(once))
     }
 
-    /// The friction of the wanted force with a sign. A profile that turns leaves a stuck load behind, and so does a way to a target that
+    /// The friction of the wanted force with a sign. A profile that turns leaves a stuck load behind, and so does a trajectory to a target that
     /// it has missed: it is pushed to where it breaks away.
     fn friction(&self, of_load: &load::Constants, sign: i32) -> i32 {
         let stiction = of_load.stiction;
@@ -461,13 +353,13 @@ impl Cascade {
                 let rate = loops.approach(wanted, force, swift);
                 (if self.motion.stuck { rate >> 3 } else { rate }, settings.rest.least)
             }
-            Phase::Way | Phase::Profile => {
+            Phase::Trajectory | Phase::Profile => {
                 let (now, soon) = match reference.point {
                     Some(point) => (
                         point.plus(self.joining.now()),
                         point.later(self.lag.dead_time).plus(self.joining.later(self.lag.dead_time)),
                     ),
-                    None => (self.way.now(), self.way.later(self.lag.dead_time)),
+                    None => (self.trajectory.now(), self.trajectory.later(self.lag.dead_time)),
                 };
                 let seen = force::Seen { load, of_load, motion: &self.motion, air: &self.air, force, swift };
                 let turn = match reference.point {

@@ -136,9 +136,9 @@ macro_rules! parameter_table {
                102 CASCADE_OVERLAP "cascade_overlap" "counts" [-SPOOL_MAX, SPOOL_MAX, 0] () "" "Of the law cascade: command at which a path opens, in 2^-16 counts." only Cascade;
                103 CASCADE_SPAN "cascade_span" "counts" [65_536, SPOOL_MAX, SPOOL_MAX] () "" "Of the law cascade: command from there to the open path, in 2^-16 counts." only Cascade;
                104 CASCADE_PLAY "cascade_play" "counts" [0, SPOOL_MAX, 0] () "" "Of the law cascade: half the width of the spool's hysteresis, in 2^-16 counts of command." only Cascade;
-               105 CASCADE_WAY_SPEED "cascade_way_speed" "counts/sample" [64, ACCELERATION_MAX, 65_536] () "" "Of the law cascade: largest speed of its own ways, in 2^-16." only Cascade;
-               106 CASCADE_WAY_ACCELERATION "cascade_way_acceleration" "counts/sample^2" [1, ACCELERATION_MAX, 65_536] () "" "Of the law cascade: largest acceleration of its own ways, in 2^-16." only Cascade;
-               107 CASCADE_WAY_FLOW "cascade_way_flow" "" [655, 65_536, 26_214] () "" "Of the law cascade: part of the flow that the largest jerk of its own ways may ask for, in 2^-16." only Cascade;
+               105 CASCADE_WAY_SPEED "cascade_way_speed" "counts/sample" [64, ACCELERATION_MAX, 65_536] () "" "Of the law cascade: largest speed of its own trajectories, in 2^-16." only Cascade;
+               106 CASCADE_WAY_ACCELERATION "cascade_way_acceleration" "counts/sample^2" [1, ACCELERATION_MAX, 65_536] () "" "Of the law cascade: largest acceleration of its own trajectories, in 2^-16." only Cascade;
+               107 CASCADE_WAY_FLOW "cascade_way_flow" "" [655, 65_536, 26_214] () "" "Of the law cascade: part of the flow that the largest jerk of its own trajectories may ask for, in 2^-16." only Cascade;
                108 CASCADE_LEARNING_NOISE "cascade_learning_noise" "" [0, UNIT, 0] () "" "Of the law cascade: noise of a force, for what is learned of the load, in 2^-24 of the supply on area 1; 0: nothing is learned." only Cascade;
                112 CASCADE_SENSOR_DECAY "cascade_sensor_decay" "" [0, DECAY, 0] () "" "Of the law cascade: what sensors with a lag have still to show of a pressure a sample later, in 2^-30." only Cascade;
                113 CASCADE_SENSOR_GAIN "cascade_sensor_gain" "" [0, DECAY, 0] () "" "Of the law cascade: what they have still to show of a change during that sample, in 2^-30; 0: they have no lag." only Cascade;

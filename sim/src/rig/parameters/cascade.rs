@@ -9,7 +9,7 @@
 //! lag of the spool       K_D/K_S                               dead time      tau = delay + T/2 + lag/1.5, for the lag 4.5 T of a measured spool
 //! sensors with a lag L   a = exp(-T/L), b = (1 - a) L/T
 //! poles                  force 0.6/tau, position 0.24/tau, motion observer 1.0/tau, flow observer 0.35/tau
-//! ways                   half of the speed of the choked flow, 0.4 of the force, 0.4 of the flow (0.24 with a measured spool)
+//! trajectories           half of the speed of the choked flow, 0.4 of the force, 0.4 of the flow (0.24 with a measured spool)
 //! stepper              n: the first step whose rate of the force r_n >= 0.6/tau (Fc - T (r_1 + .. + r_n)),   r_i: of i steps from the null
 //! ```
 //!
@@ -17,7 +17,7 @@
 //! has opened so far after n samples; as it opens evenly it lags by half of that.
 //!
 //! Three keys of the rig file move these: `controller.cascade_dead_time_factor` multiplies tau, `controller.cascade_observer_factor`
-//! the poles of the observers, and `controller.cascade_flow_share` is the 0.4 of the ways, whose speed has 1.25 times as much.
+//! the poles of the observers, and `controller.cascade_flow_share` is the 0.4 of the trajectories, whose speed has 1.25 times as much.
 
 mod fixed;
 mod paths;
@@ -50,8 +50,8 @@ const FORCE_POLE: f64 = 0.6;
 const POSITION_POLE: f64 = 0.24;
 const MOTION_POLE: f64 = 1.0;
 const FLOW_POLE: f64 = 0.35;
-/// The part of the largest speed that a way of its own asks for, over that of the force and of its rate.
-const WAY_SPEED: f64 = 1.25;
+/// The part of the largest speed that a trajectory of its own asks for, over that of the force and of its rate.
+const TRAJECTORY_SPEED: f64 = 1.25;
 /// The noise of a force, part of the exhaust pressure on area 1.
 const FORCE_NOISE: f64 = 0.02;
 
@@ -82,7 +82,7 @@ struct Drive {
     force: f64,
     spool: Spool,
     paths: Paths,
-    /// What its ways ask for, and how much longer tau and how much faster the observers are than usual.
+    /// What its trajectories ask for, and how much longer tau and how much faster the observers are than usual.
     flow_share: f64,
     dead_time_factor: f64,
     observer_factor: f64,
@@ -141,7 +141,7 @@ impl Drive {
         let paths = &self.paths;
         let [supply, exhaust] = &paths.open;
         let steepness = |path: &Iso6358| 1.0 / (1.0 - path.critical_ratio);
-        let speed = WAY_SPEED * self.flow_share * paths.kept * flow(exhaust) / exponent;
+        let speed = TRAJECTORY_SPEED * self.flow_share * paths.kept * flow(exhaust) / exponent;
         let mut values = vec![
             (id::CASCADE_EXPONENT, fixed(exponent, 16)),
             (id::CASCADE_FLOW_SUPPLY, fixed(flow(supply), 16)),

@@ -25,7 +25,7 @@ use super::number::{ONE, fitting, product, root, scaled};
 use super::tubes::{self, Side, Tubes};
 use crate::parameters::{Parameters, id};
 
-/// Pressure of both chambers of a load on its way, Q24: three fifths of the supply's.
+/// Pressure of both chambers of a load in motion, Q24: three fifths of the supply's.
 const MIDDLE: i32 = ONE / 5 * 3;
 
 /// What it knows of cylinder and valve.

@@ -1,4 +1,4 @@
-//! The force loop: the rate of the force that keeps the load on its way, or holds it.
+//! The force loop: the rate of the force that keeps the load on its trajectory, or holds it.
 //!
 //! ```text
 //! wanted      Fw = M/A (a_r + 2 p e' + p^2 e) + B v_r + Ff + d                 within 0.8 (1 - Pe) of the smaller area
@@ -55,7 +55,7 @@ impl Constants {
         }
     }
 
-    /// Fw on a way, with this friction.
+    /// Fw on a trajectory, with this friction.
     pub(super) fn wanted(&self, seen: &Seen, now: &Point, friction: i32) -> i32 {
         let Seen { load, of_load, motion, .. } = seen;
         let late = now.v.saturating_sub(motion.v);
@@ -67,7 +67,7 @@ impl Constants {
         within(sum, self.most)
     }
 
-    /// g on a way, without what is unknown.
+    /// g on a trajectory, without what is unknown.
     pub(super) fn rate(&self, seen: &Seen, now: &Point, soon: &Point, wanted: i32) -> i32 {
         let Seen { load, of_load, motion, air, force, .. } = seen;
         let speed = motion.v.saturating_add(soon.v).saturating_sub(now.v);

@@ -1,14 +1,15 @@
 //! What the law knows at a sample, to be looked at. Nothing of it is used by the law itself.
 
-use super::{Begun, Cascade, Phase, motion};
+use super::begin::Begun;
+use super::{Cascade, Phase, motion};
 
 /// What the load does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
     /// At rest.
     Rest = 0,
-    /// On a way of its own, or at its end until it stands.
-    Way = 1,
+    /// On a trajectory of its own, or at its end until it stands.
+    Trajectory = 1,
     /// On that of a profile.
     Profile = 2,
 }
@@ -52,7 +53,7 @@ impl Cascade {
     pub fn known(&self) -> Option<Known> {
         let (stage, reference) = match self.phase {
             Phase::Rest { .. } => (Stage::Rest, (motion::middle(self.target), 0)),
-            Phase::Way => (Stage::Way, (self.reference.x, self.reference.v)),
+            Phase::Trajectory => (Stage::Trajectory, (self.reference.x, self.reference.v)),
             Phase::Profile => (Stage::Profile, (self.reference.x, self.reference.v)),
         };
         let [force, wanted] = self.forces;

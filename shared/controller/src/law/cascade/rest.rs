@@ -1,4 +1,4 @@
-//! Rest: when a load at the end of its way rests, and the force that holds it, on dry friction and on bristles alike.
+//! Rest: when a load at the end of its trajectory rests, and the force that holds it, on dry friction and on bristles alike.
 //!
 //! ```text
 //! held       Fh' = 16/(mm s) Fc e  beyond 20 um          Fh within s Fc of M w + f + d; within 0.4 of that to begin with
@@ -9,8 +9,8 @@
 //! no load that stands: it only bends what holds it. With its valve left to the force alone the air is a spring that takes energy
 //! away, and the second term takes more. So a load at rest does not swing, whatever friction is, and whatever error is left.
 //!
-//! A load that has not come to rest 100 ms after the end of its way sets off again: it swings about another place than its target.
-//! One that turns more than twice after the end of its way is on friction that gives way like a spring, or on a model that is
+//! A load that has not come to rest 100 ms after the end of its trajectory sets off again: it swings about another place than its target.
+//! One that turns more than twice after the end of its trajectory is on friction that gives way like a spring, or on a model that is
 //! wrong. Each further turn lets it rest twice as far from its target, at first within 40 um, at last within 0.64 mm. What was
 //! learned so is kept until the next start. A load that has come to stand 0.2 mm off its target is moved once more, four times at
 //! most, and pushed with the stiction; one that moves farther off than 0.9 mm, or without bristles by 60 um, sets off again.
@@ -58,7 +58,7 @@ pub struct Rest {
     /// Where the load came to rest, counts, and for how many samples it has rested.
     stood: i32,
     rested: u32,
-    /// Turns after the end of a way to this target, and the sign of the last.
+    /// Turns after the end of a trajectory to this target, and the sign of the last.
     turns: u32,
     turned: i32,
     /// How far from a target it rests: the distance doubles with each.
@@ -111,7 +111,7 @@ impl Rest {
         (self.turns, self.tries) = (0, 0);
     }
 
-    /// A way begins with this motion.
+    /// A trajectory begins with this motion.
     pub(super) fn set_off(&mut self, motion: &Motion) {
         self.turned = motion.v.signum();
     }
@@ -121,7 +121,7 @@ impl Rest {
         (self.stood, self.rested) = (count, 0);
     }
 
-    /// A sample after the end of a way: whether the load stands, or is slow where it shall be. `over` is since when.
+    /// A sample after the end of a trajectory: whether the load stands, or is slow where it shall be. `over` is since when.
     pub(super) fn has_come(&mut self, constants: &Constants, motion: &Motion, over: u32, error: u32) -> bool {
         let (speed, sign) = (motion.v.saturating_abs(), motion.v.signum());
         if speed > constants.turning && sign != self.turned {
@@ -162,7 +162,7 @@ impl Rest {
         self.tries > 0
     }
 
-    /// Whether the friction keeps its sign at the end of a way.
+    /// Whether the friction keeps its sign at the end of a trajectory.
     pub(super) fn is_loose(&self) -> bool {
         self.looseness > 0
     }

@@ -4,9 +4,9 @@
 //! spool       s'' = w^2 (p - s - f sgn(s')) - D s'        p: pull of the coil, f: friction in motion;  stands while |p - s| <= f_0
 //! pull        p follows the command u through the play
 //! sensor      s += 0.7 e,   s' += 0.4 e/T,   mean place of the last sample += 0.5 e             e: measured place less that of the model
-//! to a place  without friction e_0 and e_1, a sample each, bring it from (s, s') to (s + way, 0):
-//!             e_0 = s + a way + b s',   e_1 = s + c way + d s'                      two samples are a deadbeat of the second order
-//! reach       the part of the way for which e_0 and e_1 with the friction are within what the coil can pull
+//! to a place  without friction e_0 and e_1, a sample each, bring it from (s, s') to (s + travel, 0):
+//!             e_0 = s + a travel + b s',   e_1 = s + c travel + d s'                      two samples are a deadbeat of the second order
+//! reach       the part of the travel for which e_0 and e_1 with the friction are within what the coil can pull
 //! pull        p = e_0 +- f,   from rest no less than 1.05 f_0;   u = p +- half of the play where it moves p
 //! ```
 //!
@@ -149,22 +149,22 @@ impl Spool {
 
     /// p.
     fn pull_to(&self, constants: &Constants, wanted: i32) -> i32 {
-        let way = within(wanted.saturating_sub(self.place), 2 * MOST);
+        let travel = within(wanted.saturating_sub(self.place), 2 * MOST);
         let still = self.speed.saturating_abs() < constants.still;
-        if still && way.saturating_abs() < NEAR {
+        if still && travel.saturating_abs() < NEAR {
             return self.place;
         }
         let moves = self.speed.saturating_abs() > 2 * constants.still;
-        let sign = if moves { self.speed.signum() } else { way.signum() };
+        let sign = if moves { self.speed.signum() } else { travel.signum() };
         let friction = constants.friction.saturating_mul(sign);
-        let [first, second] = [constants.first, constants.second].map(|[of_way, of_speed]| {
+        let [first, second] = [constants.first, constants.second].map(|[of_travel, of_speed]| {
             let stay = self.place.saturating_add(product(self.speed, of_speed, 24)).saturating_add(friction);
-            (stay, product(way, of_way, 24))
+            (stay, product(travel, of_travel, 24))
         });
         let reach = reach(first, constants.strongest).min(reach(second, constants.strongest));
         let pull = first.0.saturating_add(scaled(first.1, reach, 16));
-        let away = self.place.saturating_add(constants.away.saturating_mul(way.signum()));
-        let too_weak = pull.saturating_sub(away).signum() == -way.signum();
+        let away = self.place.saturating_add(constants.away.saturating_mul(travel.signum()));
+        let too_weak = pull.saturating_sub(away).signum() == -travel.signum();
         if still && too_weak { away } else { pull }
     }
 
@@ -190,8 +190,8 @@ impl Spool {
     /// A time in which it stops, as it would have the speed `then` at its end; and goes back, if it is pulled on.
     fn stop(&mut self, constants: &Constants, transition: Transition, then: i32, time: i32) {
         let gone = part(self.speed, then);
-        let way = scaled(scaled(self.speed, gone, 16), time, 17);
-        (self.place, self.speed) = (self.place.saturating_add(way), 0);
+        let travel = scaled(scaled(self.speed, gone, 16), time, 17);
+        (self.place, self.speed) = (self.place.saturating_add(travel), 0);
         let free = self.pull.saturating_sub(self.place);
         if free.saturating_abs() > constants.stiction {
             let left = ONE - gone;

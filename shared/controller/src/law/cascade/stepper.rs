@@ -75,8 +75,8 @@ impl Stepped {
         let short = self.wanted.saturating_sub(self.mean) / 2;
         self.owed = within(self.owed.saturating_add(short), constants.step);
         self.wanted = wanted;
-        let way = wanted.saturating_add(self.owed) - self.steps.saturating_mul(constants.step);
-        let step = if way.saturating_abs() > constants.worth { way.signum() } else { 0 };
+        let away = wanted.saturating_add(self.owed) - self.steps.saturating_mul(constants.step);
+        let step = if away.saturating_abs() > constants.worth { away.signum() } else { 0 };
         within(self.steps.saturating_add(step), constants.farthest)
     }
 }

@@ -206,9 +206,9 @@ impl Valve {
                 .min(self.held.saturating_add(constants.play))
                 .max(self.held.saturating_sub(constants.play))
         };
-        let way = within(goal.saturating_sub(self.place), 4 * MOST);
+        let travel = within(goal.saturating_sub(self.place), 4 * MOST);
         let braked = product(self.speed, constants.lag, 17);
-        let command = self.place.saturating_add(product(way, 9, 2)).saturating_sub(braked);
+        let command = self.place.saturating_add(product(travel, 9, 2)).saturating_sub(braked);
         let counts = (command.saturating_add(1 << 15) >> 16).min(constants.largest).max(-constants.largest);
         self.command = counts << 16;
         let middle = self.through_play(constants.play);

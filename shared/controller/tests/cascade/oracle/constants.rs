@@ -59,7 +59,7 @@ pub struct Constants {
     pub lap: f64,
     pub span: f64,
     pub play: f64,
-    pub way: [f64; 3],
+    pub trajectory: [f64; 3],
     pub sensors: [f64; 2],
     pub noise: f64,
     pub land: Option<Land>,
@@ -138,7 +138,7 @@ impl Constants {
             lap: get(id::CASCADE_OVERLAP, 16),
             span: get(id::CASCADE_SPAN, 16),
             play: get(id::CASCADE_PLAY, 16),
-            way: [
+            trajectory: [
                 get(id::CASCADE_WAY_SPEED, 16),
                 get(id::CASCADE_WAY_ACCELERATION, 16),
                 get(id::CASCADE_WAY_FLOW, 16),

@@ -1,10 +1,10 @@
-//! What the load shall do: on its way, or at rest.
+//! What the load shall do: in motion, or at rest.
 
 use super::air::Air;
 use super::constants::Constants;
 use super::load::Load;
 use super::observers::{Flow, Motion, sign_of};
-use super::trajectory::{Point, Way};
+use super::trajectory::{Point, Trajectory};
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Phase {
@@ -14,7 +14,7 @@ enum Phase {
 
 pub struct Plan {
     target: i32,
-    way: Way,
+    trajectory: Trajectory,
     phase: Phase,
     short: u32,
     stops: bool,
@@ -49,7 +49,7 @@ impl Plan {
     pub fn new(count: i32, force: f64) -> Plan {
         Plan {
             target: count,
-            way: Way { length: 1.0, ..Way::default() },
+            trajectory: Trajectory { length: 1.0, ..Trajectory::default() },
             phase: Phase::Rest { held: force, centre: force },
             short: 0,
             stops: false,
@@ -83,8 +83,8 @@ impl Plan {
         }
         match self.phase {
             Phase::Move => {
-                self.way.k += 1.0;
-                let over = self.way.k - self.way.length;
+                self.trajectory.k += 1.0;
+                let over = self.trajectory.k - self.trajectory.length;
                 if over >= 0.0 && (self.stops || over > c.samples(0.1)) {
                     self.set_off(seen);
                 } else if over >= 0.0 && self.has_come(seen, over, error.abs()) {
@@ -154,7 +154,7 @@ impl Plan {
         let target = f64::from(self.target) + 0.5;
         let distance = (target - motion.x).abs();
         let air = c.air(0.5 * (motion.x + target), [0.6; 2]);
-        let [v, a, flow] = c.way;
+        let [v, a, flow] = c.trajectory;
         let [a, flow] = [a, flow].map(|limit| limit / seen.load.mass());
         let j = flow * air.extend.min(air.retract) * c.acceleration;
         let length = (2.19 * distance / v).max((7.5 * distance / a).sqrt()).max((52.5 * distance / j).cbrt());
@@ -162,14 +162,14 @@ impl Plan {
         let v = motion.v.abs();
         let stop = (0.9375 * v / a).max((2.887 * v / j).sqrt());
         let stop = (stop + 1.0).floor().max(6.0).max((2.0 * c.tau).floor() + 1.0);
-        let way = 0.5 * motion.v * stop;
+        let travel = 0.5 * motion.v * stop;
         let left = target - motion.x;
-        self.stops = v > c.speed(0.1) && if motion.v > 0.0 { left < way } else { left > way };
+        self.stops = v > c.speed(0.1) && if motion.v > 0.0 { left < travel } else { left > travel };
         let (target, distance, length) =
-            if self.stops { (motion.x + way, way.abs(), stop) } else { (target, distance, length) };
+            if self.stops { (motion.x + travel, travel.abs(), stop) } else { (target, distance, length) };
         let most = 2.0 * distance / (length * length);
         let a = motion.acceleration(c, seen.load, seen.force).clamp(-most, most);
-        self.way = Way::to(target, Point { x: motion.x, v: motion.v, a, j: 0.0 }, length);
+        self.trajectory = Trajectory::to(target, Point { x: motion.x, v: motion.v, a, j: 0.0 }, length);
         (self.phase, self.short, self.turned) = (Phase::Move, 0, sign_of(motion.v));
     }
 
@@ -182,8 +182,8 @@ impl Plan {
         match self.phase {
             Phase::Move => {
                 let most = 0.8 * (1.0 - c.exhaust) * c.ratio.min(1.0);
-                let now = self.way.at(self.way.k);
-                let soon = self.way.at(self.way.k + dead_time);
+                let now = self.trajectory.at(self.trajectory.k);
+                let soon = self.trajectory.at(self.trajectory.k + dead_time);
                 if soon.v != 0.0 {
                     self.side = sign_of(soon.v);
                 }

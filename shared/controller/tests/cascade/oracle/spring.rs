@@ -46,15 +46,15 @@ impl Spool {
     }
 
     fn pull_to(&self, spring: &Spring, most: f64, wanted: f64) -> f64 {
-        let way = wanted - self.s;
+        let travel = wanted - self.s;
         let is_still = self.s_dot.abs() < spring.still;
-        if is_still && way.abs() < NEAR {
+        if is_still && travel.abs() < NEAR {
             return self.s;
         }
-        let sign = sign_of(if self.s_dot.abs() > 2.0 * spring.still { self.s_dot } else { way });
+        let sign = sign_of(if self.s_dot.abs() > 2.0 * spring.still { self.s_dot } else { travel });
         let stay = |of_speed: f64| self.s + of_speed * self.s_dot + sign * spring.friction;
-        let within = |[of_way, of_speed]: [f64; 2]| {
-            let (from, to) = (stay(of_speed), stay(of_speed) + of_way * way);
+        let within = |[of_travel, of_speed]: [f64; 2]| {
+            let (from, to) = (stay(of_speed), stay(of_speed) + of_travel * travel);
             if to.abs() <= most {
                 1.0
             } else {
@@ -62,9 +62,9 @@ impl Spool {
             }
         };
         let share = within(spring.first).min(within(spring.second));
-        let pull = stay(spring.first[1]) + share * spring.first[0] * way;
-        let away = self.s + 1.05 * spring.stiction * sign_of(way);
-        if is_still && (pull - away) * way < 0.0 { away } else { pull }
+        let pull = stay(spring.first[1]) + share * spring.first[0] * travel;
+        let away = self.s + 1.05 * spring.stiction * sign_of(travel);
+        if is_still && (pull - away) * travel < 0.0 { away } else { pull }
     }
 
     fn glide(&mut self, spring: &Spring, m: [f64; 4], time: f64) -> f64 {

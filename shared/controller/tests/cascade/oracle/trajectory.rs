@@ -9,14 +9,14 @@ pub struct Point {
 }
 
 #[derive(Default)]
-pub struct Way {
+pub struct Trajectory {
     pub c: [f64; 8],
     pub k: f64,
     pub length: f64,
 }
 
-impl Way {
-    pub fn to(target: f64, from: Point, length: f64) -> Way {
+impl Trajectory {
+    pub fn to(target: f64, from: Point, length: f64) -> Trajectory {
         let t = length;
         let (c1, c2) = (from.v * t, from.a * t * t / 2.0);
         let r = [target - from.x - c1 - c2, -c1 - 2.0 * c2, -2.0 * c2];
@@ -27,7 +27,7 @@ impl Way {
             sum([70.0, -34.0, 6.5]),
             sum([-20.0, 10.0, -2.0]),
         ];
-        Way { c: [from.x, c1, c2, 0.0, c[0], c[1], c[2], c[3]], k: 0.0, length }
+        Trajectory { c: [from.x, c1, c2, 0.0, c[0], c[1], c[2], c[3]], k: 0.0, length }
     }
 
     pub fn at(&self, k: f64) -> Point {

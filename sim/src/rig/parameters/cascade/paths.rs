@@ -69,9 +69,9 @@ pub(super) struct Tubes {
     pub slight: f64,
 }
 
-/// Which way a path goes.
+/// The direction of a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Way {
+enum Direction {
     In,
     Out,
 }
@@ -89,7 +89,7 @@ struct Flow {
 /// A path with all that is fitted to it.
 #[derive(Clone, Copy, Debug)]
 struct Fit {
-    way: Way,
+    direction: Direction,
     /// Supply and exhaust, Pa.
     ends: [f64; 2],
     critical_ratio: f64,
@@ -178,7 +178,8 @@ fn fits(rig: &Rig, reach: f64) -> [Fit; 2] {
     let [into, out] = flows(rig, reach);
     let ends = [rig.get(&keys::supply::PRESSURE_PA), rig.get(&keys::exhaust::PRESSURE_PA)];
     let with = |port: f64| {
-        [(Way::In, &into), (Way::Out, &out)].map(|(way, flows)| Fit::best(way, ends, flows, port))
+        [(Direction::In, &into), (Direction::Out, &out)]
+            .map(|(direction, flows)| Fit::best(direction, ends, flows, port))
     };
     let valve = Valve::of(rig);
     let bore =
@@ -217,14 +218,22 @@ fn flows(rig: &Rig, reach: f64) -> [Vec<Flow>; 2] {
 
 impl Fit {
     /// With the critical ratio that leaves least.
-    fn best(way: Way, ends: [f64; 2], flows: &[Flow], port: f64) -> Fit {
-        let tried = (0..RATIOS).map(|i| Fit::of(way, ends, RATIO * f64::from(i), flows, port));
+    fn best(direction: Direction, ends: [f64; 2], flows: &[Flow], port: f64) -> Fit {
+        let tried = (0..RATIOS).map(|i| Fit::of(direction, ends, RATIO * f64::from(i), flows, port));
         tried.min_by(|one, other| one.left.total_cmp(&other.left)).expect("some are tried")
     }
 
-    fn of(way: Way, ends: [f64; 2], critical_ratio: f64, flows: &[Flow], port: f64) -> Fit {
-        let mut fit =
-            Fit { way, ends, critical_ratio, by_square: 0.0, port, choked: 0.0, slight: 0.0, left: 0.0 };
+    fn of(direction: Direction, ends: [f64; 2], critical_ratio: f64, flows: &[Flow], port: f64) -> Fit {
+        let mut fit = Fit {
+            direction,
+            ends,
+            critical_ratio,
+            by_square: 0.0,
+            port,
+            choked: 0.0,
+            slight: 0.0,
+            left: 0.0,
+        };
         let row = |flow: &Flow| {
             let square = (flow.flow / fit.phi(flow.pressure)).powi(2);
             let in_series = 1.0 + (port / flow.height).powi(2);
@@ -246,9 +255,9 @@ impl Fit {
     /// Pressure upstream by the ellipse.
     fn phi(&self, pressure: f64) -> f64 {
         let [supply, exhaust] = self.ends;
-        let (up, down) = match self.way {
-            Way::In => (supply, pressure),
-            Way::Out => (pressure, exhaust),
+        let (up, down) = match self.direction {
+            Direction::In => (supply, pressure),
+            Direction::Out => (pressure, exhaust),
         };
         let beyond = ((down / up - self.critical_ratio) / (1.0 - self.critical_ratio)).clamp(0.0, 1.0);
         up * (1.0 - beyond * beyond).sqrt()
@@ -257,9 +266,9 @@ impl Fit {
     /// 1/(y - 1).
     fn nearness(&self, pressure: f64) -> f64 {
         let [supply, exhaust] = self.ends;
-        match self.way {
-            Way::In => pressure / (supply - pressure),
-            Way::Out => exhaust / (pressure - exhaust),
+        match self.direction {
+            Direction::In => pressure / (supply - pressure),
+            Direction::Out => exhaust / (pressure - exhaust),
         }
     }
 

@@ -5,7 +5,7 @@
 //! in units      place: a count; speed: a count a sample, so that Phi_01 is over T and Phi_10 times T
 //! coil          place of rest: travel/2048 of amplifier, coil over spring;   friction over spring, in the same
 //! two samples   x_2 = Phi^2 x_0 + Phi g e_0 + g e_1,   g = [1 - Phi_00, -Phi_10]                    e: places of rest
-//!               x_2 = [way, 0] is solved for e_0 = a way + b s',   e_1 = c way + d s'
+//!               x_2 = [travel, 0] is solved for e_0 = a travel + b s',   e_1 = c travel + d s'
 //! ```
 
 use pneudrive_controller::parameters::id;
@@ -22,7 +22,7 @@ const COUNTS: f64 = 2048.0;
 const BOOST: f64 = 1.5;
 /// Samples that a measured spool takes: two of its deadbeat, and what its friction and the reach of the coil cost.
 const MEASURED_LAG: f64 = 4.5;
-/// The part of the flow that its ways ask for, over that of others: what it misses in fast ones, its friction keeps.
+/// The part of the flow that its trajectories ask for, over that of others: what it misses in fast ones, its friction keeps.
 const MEASURED_FLOW: f64 = 0.6;
 
 /// Phi in units of samples.
@@ -105,7 +105,7 @@ impl Spool {
         }
     }
 
-    /// The part of the flow for the jerk of a way, over the usual one.
+    /// The part of the flow for the jerk of a trajectory, over the usual one.
     pub(super) fn flow(&self) -> f64 {
         match self.kind {
             Kind::Measured(_) => MEASURED_FLOW,
@@ -194,12 +194,12 @@ fn deadbeat(phi: &Phi) -> [[f64; 2]; 2] {
     let first = turned(phi, last);
     let determinant = first[0] * last[1] - first[1] * last[0];
     let coast = turned(phi, turned(phi, [0.0, 1.0]));
-    // What is left of a way and of a speed.
+    // What is left of a travel and of a speed.
     let solved = |[x, v]: [f64; 2]| {
         [(x * last[1] - v * last[0]) / determinant, (first[0] * v - first[1] * x) / determinant]
     };
-    let (by_way, by_speed) = (solved([1.0, 0.0]), solved([-coast[0], -coast[1]]));
-    [[by_way[0], by_speed[0]], [by_way[1], by_speed[1]]]
+    let (by_travel, by_speed) = (solved([1.0, 0.0]), solved([-coast[0], -coast[1]]));
+    [[by_travel[0], by_speed[0]], [by_travel[1], by_speed[1]]]
 }
 
 #[cfg(test)]
@@ -212,13 +212,13 @@ mod tests {
         let oscillator = Oscillator { stiffness_per_mass: 1.087e6, damping_per_mass: 100.0 };
         let phi = phi(&oscillator, 5e-4, 5e-4);
         let [first, second] = deadbeat(&phi);
-        for (way, speed) in [(1.0, 0.0), (0.0, 3.0), (-40.0, 12.0)] {
-            let rests = [first, second].map(|[by_way, by_speed]| by_way * way + by_speed * speed);
+        for (travel, speed) in [(1.0, 0.0), (0.0, 3.0), (-40.0, 12.0)] {
+            let rests = [first, second].map(|[by_travel, by_speed]| by_travel * travel + by_speed * speed);
             let end = rests.into_iter().fold([0.0, speed], |[place, speed], rest| {
                 let [from, speed] = turned(&phi, [place - rest, speed]);
                 [rest + from, speed]
             });
-            assert!((end[0] - way).abs() < 1e-9 && end[1].abs() < 1e-9, "{end:?}");
+            assert!((end[0] - travel).abs() < 1e-9 && end[1].abs() < 1e-9, "{end:?}");
         }
     }
 }
