@@ -102,9 +102,12 @@ fn pulls_most(rig: &Rig, load: &Load) -> &'static Key {
         (&load::keys::SPRING_N_PER_M, -rig.get(&load::keys::SPRING_N_PER_M) * position),
         (&spring::keys::RETURN_SPRING_PRELOAD_N, inside.force(position)),
     ];
-    let way = load.standing_force(position).signum();
+    let direction = load.standing_force(position).signum();
     let [first, others @ ..] = parts;
-    others.into_iter().fold(first, |most, part| if way * part.1 > way * most.1 { part } else { most }).0
+    others
+        .into_iter()
+        .fold(first, |most, part| if direction * part.1 > direction * most.1 { part } else { most })
+        .0
 }
 
 #[cfg(test)]

@@ -165,11 +165,12 @@ fn a_drive_by_its_data_sheet_alone_positions_within_a_twentieth_of_a_millimetre(
     for (name, of) in DRIVES {
         let stroke = rig(&settings(of)).number_at("actuator.stroke_m").expect("a number");
         for index in 0..10 {
-            let way = if index % 2 == 0 { 0.06 } else { -0.06 };
-            let [low, high] = [0.05 * stroke - f64::min(way, 0.0), 0.95 * stroke - f64::max(way, 0.0)];
+            let travel_m = if index % 2 == 0 { 0.06 } else { -0.06 };
+            let [low, high] =
+                [0.05 * stroke - f64::min(travel_m, 0.0), 0.95 * stroke - f64::max(travel_m, 0.0)];
             let start = draws.between(low, high);
             let mut drive = Drive::drawn(of, &mut draws, start);
-            let counts = (way / drive.count).round() as i32;
+            let counts = (travel_m / drive.count).round() as i32;
             let target = (f64::from(drive.start + counts) + 0.5) * drive.count;
             let sequence = drive.step(counts, 1.2);
             let (mut came, mut beyond, mut low, mut high) =
@@ -179,7 +180,7 @@ fn a_drive_by_its_data_sheet_alone_positions_within_a_twentieth_of_a_millimetre(
                 if error.abs() > 0.05e-3 {
                     came = time;
                 }
-                beyond = beyond.max(error * way.signum());
+                beyond = beyond.max(error * travel_m.signum());
                 if time > 0.6 {
                     (low, high) = (low.min(position), high.max(position));
                 }
@@ -237,7 +238,7 @@ fn a_drive_that_is_not_what_its_rig_file_says_does_not_swing() {
     }
 }
 
-/// A spool of 50 Hz where the rig file says 81 is found to be slower in its first way, and one of 81 Hz is not.
+/// A spool of 50 Hz where the rig file says 81 is found to be slower in its first trajectory, and one of 81 Hz is not.
 #[test]
 fn the_lag_of_a_slower_valve_is_learned() {
     let slow = ["operator.stiffness_per_mass_per_s2=98696", "operator.damping_per_s=439.8"];

@@ -36,7 +36,7 @@ fn a_longer_dead_time_makes_every_pole_slower() {
 }
 
 #[test]
-fn the_share_of_the_flow_scales_all_three_limits_of_a_way() {
+fn the_share_of_the_flow_scales_all_three_limits_of_a_trajectory() {
     let half = ["controller.cascade_flow_share=0.2"];
     for id in [id::CASCADE_WAY_SPEED, id::CASCADE_WAY_ACCELERATION, id::CASCADE_WAY_FLOW] {
         is_times(&half, id, 0.5);

@@ -118,14 +118,15 @@ fn what_leaves_a_chamber_is_the_flow_of_the_throttle_between_chamber_and_valve()
 #[test]
 fn an_open_loop_converges_with_the_tolerance() {
     let [others, by_conductance] = [&VALVE[4..], &VALVE[..]];
-    for (way, valve, more) in [
+    for (setting, valve, more) in [
         (OUT, by_conductance, &[][..]),
         (IN, by_conductance, &["actuator.vented=chamber-2", "actuator.return_spring=retract"]),
         (OUT, others, &["valve.model=flow-node"]),
         (IN, others, &["valve.model=flow-node", "supply.temperature_k=280"]),
         (OUT, others, &["valve.model=single-restriction"]),
     ] {
-        let open = ["test.moves=[[0.0, 600], [0.15, 0], [0.25, -900], [0.4, 0]]", "test.duration_s=0.5", way];
+        let open =
+            ["test.moves=[[0.0, 600], [0.15, 0], [0.25, -900], [0.4, 0]]", "test.duration_s=0.5", setting];
         let rig = rig(&[valve, &open, more]);
         let at = |tolerance| run(&rig, Accuracy { tolerance, ..Accuracy::default() }).expect("a transient");
         let exact = at(1e-12);
@@ -133,8 +134,8 @@ fn an_open_loop_converges_with_the_tolerance() {
             let pairs = at(tolerance).rows.into_iter().zip(&exact.rows);
             pairs.map(|(one, other)| (one.plant.position - other.plant.position).abs()).fold(0.0, f64::max)
         });
-        println!("{way} {more:?}: {errors:?} m, {:?}", exact.work);
-        assert!(errors[0] < 1e-5 && errors[1] < 1e-6 && errors[2] < 2e-8, "{way} {more:?}: {errors:?}");
+        println!("{setting} {more:?}: {errors:?} m, {:?}", exact.work);
+        assert!(errors[0] < 1e-5 && errors[1] < 1e-6 && errors[2] < 2e-8, "{setting} {more:?}: {errors:?}");
     }
 }
 

@@ -95,14 +95,14 @@ fn a_mass_pulled_slowly_over_a_dry_surface_sticks_and_slips_as_the_closed_form_d
     integrator([0.0; 2]).integrate_to(&mut pulled, 14.0, 14.0).expect("a transient");
     let (amplitude, rate) = ((STATIC - COULOMB) / SPRING, (SPRING / MASS).sqrt());
     let slip = 2.0 * (std::f64::consts::PI - (amplitude * rate / PULL).atan()) / rate;
-    let way = 2.0 * amplitude + PULL * slip;
+    let travel = 2.0 * amplitude + PULL * slip;
     assert_eq!(pulled.changes.len(), 8, "four slips and their ends");
     let mut begin = STATIC / SPRING / PULL;
     for (i, pair) in pulled.changes.chunks(2).enumerate() {
         let [(broke, from), (stuck, to)] = [pair[0], pair[1]];
         assert!((broke - begin).abs() < 1e-8, "slip {i}: at {broke} s, not {begin}");
         assert!((stuck - broke - slip).abs() < 1e-8, "slip {i}: {} s, not {slip}", stuck - broke);
-        assert!((to - from - way).abs() < 1e-10, "slip {i}: {} m, not {way}", to - from);
+        assert!((to - from - travel).abs() < 1e-10, "slip {i}: {} m, not {travel}", to - from);
         begin += slip + 2.0 * amplitude / PULL;
     }
 }

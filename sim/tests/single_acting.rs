@@ -55,10 +55,10 @@ fn simulate(name: &str, parts: &[&[&str]]) -> Run {
 #[test]
 fn an_open_valve_takes_the_piston_to_where_the_supply_balances_the_spring_and_back() {
     let moves = |sign: i32| format!("test.moves=[[0.0, {}], [1.5, {}]]", sign * 1200, -sign * 1200);
-    for (way, sign, area, vented) in [(PUSHES, 1, BLIND, 1), (PULLS, -1, ROD_SIDE, 0)] {
+    for (vent, sign, area, vented) in [(PUSHES, 1, BLIND, 1), (PULLS, -1, ROD_SIDE, 0)] {
         let moves = moves(sign);
         let more = [moves.as_str(), "test.duration_s=3.0", "exhaust.temperature_k=285", "tubing.model=none"];
-        let run = simulate("servo-b", &[&TIGHT, &NO_FRICTION, &SPRING, &way, &more]);
+        let run = simulate("servo-b", &[&TIGHT, &NO_FRICTION, &SPRING, &vent, &more]);
         for row in &run.rows {
             let plant = &row.plant;
             assert!((plant.pressures[vented] / OUTSIDE - 1.0).abs() < 1e-12, "{:?}", plant.pressures);
@@ -71,9 +71,9 @@ fn an_open_valve_takes_the_piston_to_where_the_supply_balances_the_spring_and_ba
             if sign > 0 { row.plant.position } else { STROKE - row.plant.position }
         };
         let expected = ((SUPPLY - OUTSIDE) * area - PRELOAD) / STIFFNESS;
-        assert!((pressed(1.5) - expected).abs() < 1e-6, "{way:?}: {} m, not {expected}", pressed(1.5));
+        assert!((pressed(1.5) - expected).abs() < 1e-6, "{vent:?}: {} m, not {expected}", pressed(1.5));
         // At the end the spring presses the piston into its stop.
-        assert!((-2e-4..0.0).contains(&pressed(3.0)), "{way:?}: {} m", pressed(3.0));
+        assert!((-2e-4..0.0).contains(&pressed(3.0)), "{vent:?}: {} m", pressed(3.0));
     }
 }
 
@@ -159,13 +159,13 @@ fn the_driven_chamber_holds_what_has_crossed_its_port_less_what_leaks_past_the_p
 /// Of a cylinder with two equal areas either chamber may be vented: extension of one is retraction of the other.
 #[test]
 fn a_symmetric_cylinder_pulls_as_it_pushes() {
-    let of = |way: [&str; 2], sign: i32| {
+    let of = |vent: [&str; 2], sign: i32| {
         let moves = format!("test.moves=[[0.0, {}], [0.2, {}]]", 900 * sign, -900 * sign);
         let more =
             ["actuator.model=symmetric", "test.position_m=0.15", "test.duration_s=0.5", moves.as_str()];
         let soft = [SPRING[0], "actuator.return_spring_stiffness_n_per_m=500"];
         let open: Vec<&str> = TIGHT.into_iter().filter(|setting| !setting.starts_with("supply")).collect();
-        let text = settings(&[&open, &NO_FRICTION, &soft, &way, &more]);
+        let text = settings(&[&open, &NO_FRICTION, &soft, &vent, &more]);
         let rig = Rig::read_with("symmetric", "", &text).unwrap_or_else(|problems| panic!("{problems}"));
         run(&rig, Accuracy::of(&rig)).expect("a transient")
     };

@@ -68,8 +68,8 @@ fn pressures_fall_along_the_way_of_the_air() {
     let rig = rig("servo-b-tuned", &["valve.upstream_mach=false", "test.duration_s=0.6"]);
     let mut charging = 0;
     for row in recorded(&rig).rows.iter().filter(|row| row.plant.mass_flows[0] > 1e-4) {
-        let way = ["supply_port_pressure_pa", "node_pressure_1_pa", "port_pressure_1_pa"];
-        let [supply, node, port] = way.map(|name| column(name, row));
+        let path = ["supply_port_pressure_pa", "node_pressure_1_pa", "port_pressure_1_pa"];
+        let [supply, node, port] = path.map(|name| column(name, row));
         assert!(supply > node && node > port && port > row.plant.pressures[0], "{} s", row.time);
         charging += 1;
     }

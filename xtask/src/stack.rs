@@ -33,7 +33,7 @@ impl Stack {
     /// When there is no such function, or one that it reaches calls itself or takes stack by a register.
     pub fn of(image: &Image, function: &str) -> Result<Stack> {
         ensure!(image.has_function(function), "there is no function {function}");
-        let mut walk = Walk { image, known: BTreeMap::new(), way: Vec::new() };
+        let mut walk = Walk { image, known: BTreeMap::new(), path: Vec::new() };
         let bytes = walk.depth(function)?;
         let indirect = walk.known.values().flat_map(|known| known.indirect.iter().cloned()).collect();
         Ok(Stack { bytes, path: walk.path(function), indirect })
@@ -51,7 +51,7 @@ struct Walk<'a> {
     image: &'a Image,
     known: BTreeMap<String, Known>,
     /// The functions from the first one to the one that is examined.
-    way: Vec<String>,
+    path: Vec<String>,
 }
 
 impl Walk<'_> {
@@ -59,10 +59,10 @@ impl Walk<'_> {
         if let Some(known) = self.known.get(name) {
             return Ok(known.bytes);
         }
-        if self.way.iter().any(|above| above == name) {
-            bail!("{name} calls itself, so its stack has no bound: {}", self.way.join(" > "));
+        if self.path.iter().any(|above| above == name) {
+            bail!("{name} calls itself, so its stack has no bound: {}", self.path.join(" > "));
         }
-        self.way.push(name.to_owned());
+        self.path.push(name.to_owned());
         let (mut frame, mut below, mut deepest, mut indirect) = (0, 0, None, Vec::new());
         for at in self.image.instructions_of(name) {
             match Taken::by(at) {
@@ -81,7 +81,7 @@ impl Walk<'_> {
                 }
             }
         }
-        self.way.pop();
+        self.path.pop();
         self.known.insert(name.to_owned(), Known { bytes: frame + below, deepest, indirect });
         Ok(frame + below)
     }

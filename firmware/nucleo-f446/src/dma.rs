@@ -49,9 +49,9 @@ impl<const N: usize> Stream<N> {
         self.point(port, memory, bytes);
         // What was put into memory is there before the stream reads it.
         fence(Ordering::Release);
-        let way = self.registers();
-        way.cr().write(|w| w.chsel().set(CHANNEL).dir().memory_to_peripheral().minc().set_bit());
-        way.cr().modify(|_, w| w.en().set_bit());
+        let stream = self.registers();
+        stream.cr().write(|w| w.chsel().set(CHANNEL).dir().memory_to_peripheral().minc().set_bit());
+        stream.cr().modify(|_, w| w.en().set_bit());
     }
 
     fn point(&mut self, port: *const u32, memory: &'static [AtomicU8], bytes: usize) {

@@ -166,16 +166,16 @@ impl Link {
         std::iter::once(pair::pair(&Parameters::default())).chain(self.plans.iter().map(|plan| plan.pair))
     }
 
-    /// Visits all states. What came of it in a line, and the shortest way to each property that does not hold, in words.
+    /// Visits all states. What came of it in a line, and the shortest path to each property that does not hold, in words.
     ///
     /// # Errors
-    /// When a property does not hold, or nothing was done: the ways there.
+    /// When a property does not hold, or nothing was done: the paths there.
     pub fn visit(self, threads: usize) -> Result<String, String> {
         let begun = Instant::now();
         told(&self.checker().threads(threads).spawn_bfs().join(), begun)
     }
 
-    /// The same, each way to its end before the next one: a tenth of the memory, and the ways that are told are not the
+    /// The same, each path to its end before the next one: a tenth of the memory, and the paths that are told are not the
     /// shortest.
     ///
     /// # Errors

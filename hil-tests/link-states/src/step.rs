@@ -382,7 +382,7 @@ impl Link {
         state.servers = [self.fresh_server(); 2];
         // Replies are known by the numbers of their requests, whenever they come.
         let matters = |id| self.arms_or_moves(id);
-        state.to_rig.iter_mut().for_each(|way| way.outlives_reset(matters));
+        state.to_rig.iter_mut().for_each(|frame| frame.outlives_reset(matters));
         for frame in state.passed.iter_mut().flatten().filter(|frame| matters(frame.id())) {
             *frame = frame.from_before();
         }

@@ -160,14 +160,14 @@ impl Breakaway {
     #[must_use]
     pub fn of(rig: &Rig) -> Option<Breakaway> {
         let drive = Drive::of(rig)?;
-        let ways = [true, false].map(|extends| {
+        let both = [true, false].map(|extends| {
             let needed = drive.forces(extends, 0.0)[1].max(drive.forces(extends, drive.actuator.stroke)[1]);
             (extends, needed, drive.held(extends))
         });
         let share = |(_, needed, held): &(bool, f64, f64)| needed / held;
-        let (_, needed, held) = if share(&ways[0]) >= share(&ways[1]) { ways[0] } else { ways[1] };
+        let (_, needed, held) = if share(&both[0]) >= share(&both[1]) { both[0] } else { both[1] };
         let asked = OF_CASCADE * drive.held(true).min(drive.held(false));
-        let time = ways.map(|(extends, ..)| drive.longest(extends));
+        let time = both.map(|(extends, ..)| drive.longest(extends));
         let time = time[0].zip(time[1]).map(|(out, back)| out.max(back));
         Some(Breakaway { needed, held, asked, time })
     }

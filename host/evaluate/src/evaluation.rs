@@ -4,12 +4,12 @@
 //! begins, or with the transient. Five changes and more, none later than 0.05 s after the one before, are the profile of one
 //! move, whose setpoint is the one that it ends at. With `x0` the position at its beginning, `r` the setpoint and `h = r - x0`:
 //!
-//! Rise, overshoot and settling are left out of a profile whose setpoint leaves the way to `r`, as a sine does.
+//! Rise, overshoot and settling are left out of a profile whose setpoint leaves the range from start to `r`, as a sine does.
 //!
 //! | figure | definition | left out |
 //! |---|---|---|
-//! | rise time | from 10 % to 90 % of `h`, each for the first time | for a way of less than 10 counts |
-//! | overshoot | how far the position goes beyond `r`, in the direction of `h` | for a way of less than 2.5 counts, and while the drive still moves on |
+//! | rise time | from 10 % to 90 % of `h`, each for the first time | for a distance of less than 10 counts |
+//! | overshoot | how far the position goes beyond `r`, in the direction of `h` | for a distance of less than 2.5 counts, and while the drive still moves on |
 //! | settling time | from the beginning until the position stays within the tolerance of `r` | if it is not there throughout the last quarter of the move |
 //! | steady error | mean of `r - x` over the move's last quarter, or over the cycles of a limit cycle | while the drive still moves |
 //! | limit cycle | swing from peak to peak and frequency ([`LimitCycle`]) | says so itself |

@@ -60,7 +60,7 @@ pub(super) static ITEMS: [Item; 9] = [
     item(
         (&encoder::SCALE_ERROR_PERCENT, &encoder::SCALE_TOLERANCE_PERCENT),
         [0.003, 1.0],
-        ("another scale of the encoder", "compare its way from end to end with a rule or a gauge"),
+        ("another scale of the encoder", "compare its travel from end to end with a rule or a gauge"),
     ),
     item(
         (&encoder::OFFSET_ERROR_MM, &encoder::OFFSET_TOLERANCE_MM),

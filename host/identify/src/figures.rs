@@ -36,7 +36,7 @@ const SLIPS: f64 = 0.02;
 /// Samples at rest before a breakaway counts.
 const REST: usize = 16;
 
-/// Fewest commands that the spool has passed both ways.
+/// Fewest commands that the spool has passed in both directions.
 const FEWEST_COMMANDS: usize = 5;
 
 /// Counts by which a drive that moves has left its place.
@@ -107,21 +107,26 @@ impl Figures {
             rows.push(vec![format!("{name}, {unit}"), value, error, file]);
         };
         let plain = |value: Option<f64>| value.map(|value| Figure { value, error: 0.0 });
-        for (i, way) in [extend, retract].into_iter().enumerate() {
-            let key = |kind: &str| format!("load.{kind}_{way}_n");
-            row(&format!("stiction, {way}"), "N", self.stiction[i], Some(&key("static")));
-            row(&format!("dry friction while it slips, {way}"), "N", self.coulomb[i], Some(&key("coulomb")));
+        for (i, direction) in [extend, retract].into_iter().enumerate() {
+            let key = |kind: &str| format!("load.{kind}_{direction}_n");
+            row(&format!("stiction, {direction}"), "N", self.stiction[i], Some(&key("static")));
+            row(
+                &format!("dry friction while it slips, {direction}"),
+                "N",
+                self.coulomb[i],
+                Some(&key("coulomb")),
+            );
         }
         row("viscous friction", "N s/m", self.viscous, Some(keys::load::VISCOUS_N_S_PER_M.path));
         row("mass", "kg", self.mass, Some(keys::load::MASS_KG.path));
-        for (i, way) in [extend, retract].into_iter().enumerate() {
-            row(&format!("top speed, {way}"), "m/s", plain(self.top_speed[i]), None);
-            row(&format!("top acceleration, {way}"), "m/s^2", plain(self.top_acceleration[i]), None);
+        for (i, direction) in [extend, retract].into_iter().enumerate() {
+            row(&format!("top speed, {direction}"), "m/s", plain(self.top_speed[i]), None);
+            row(&format!("top acceleration, {direction}"), "m/s^2", plain(self.top_acceleration[i]), None);
         }
         row("width of the spool's loop", "mm", plain(self.hysteresis_mm), None);
-        for (way, _) in [extend, retract].into_iter().zip(self.yields).filter(|(_, yields)| *yields) {
+        for (direction, _) in [extend, retract].into_iter().zip(self.yields).filter(|(_, yields)| *yields) {
             let why = "cannot be seen: the load yields before it slips".to_owned();
-            rows.push(vec![format!("stiction, {way}, N"), why, String::new(), String::new()]);
+            rows.push(vec![format!("stiction, {direction}, N"), why, String::new(), String::new()]);
         }
         Table::new(
             "read off the records, without a model of the air, calibration taken as exact",
@@ -306,30 +311,30 @@ fn yields(
     highest - first.value > (YIELDS * highest).max(3.0 * first.error)
 }
 
-/// The mean distance between the spool's ways up and down, over the commands that both have passed.
+/// The mean distance between the spool's branches up and down, over the commands that both have passed.
 fn hysteresis_mm(recordings: &[Recording]) -> Option<f64> {
-    let mut ways: [BTreeMap<i16, (f64, u32)>; 2] = Default::default();
+    let mut branches: [BTreeMap<i16, (f64, u32)>; 2] = Default::default();
     for recording in recordings {
         let spool = &recording.channels[3];
         if spool.taken.is_empty() {
             continue;
         }
-        let mut way = None;
+        let mut branch = None;
         for k in 1..recording.commands.len() {
             let change = recording.commands[k].counts - recording.commands[k - 1].counts;
             if change != 0 {
                 // What stood just before the next step has settled.
-                if let Some::<usize>(way) = way {
+                if let Some::<usize>(branch) = branch {
                     let place: &mut (f64, u32) =
-                        ways[way].entry(recording.commands[k - 1].counts).or_default();
+                        branches[branch].entry(recording.commands[k - 1].counts).or_default();
                     place.0 += 1e3 * (spool.offset + spool.scale * spool.measured[k]);
                     place.1 += 1;
                 }
-                way = Some(usize::from(change < 0));
+                branch = Some(usize::from(change < 0));
             }
         }
     }
-    let [up, down] = &ways;
+    let [up, down] = &branches;
     let mean = |(sum, n): &(f64, u32)| sum / f64::from(*n);
     let both: Vec<f64> =
         up.iter().filter_map(|(counts, place)| Some(mean(down.get(counts)?) - mean(place))).collect();

@@ -62,7 +62,7 @@ const RESTING: usize = FEWEST_AT_REST + 4;
 const FEWEST: usize = FEWEST_OF_A_RECORD + 4;
 
 /// Stairs of the ramp that shows stiction and hysteresis: how many, and how high (counts) and how long (s) each, the
-/// best first; the first ones with which the model stays within its way are taken.
+/// best first; the first ones with which the model stays within its range are taken.
 const STAIRS: i32 = 14;
 const STAIR: [(i32, f64); 6] =
     [(60, 0.026), (60, 0.013), (60, 0.0078), (60, 0.0052), (45, 0.0052), (45, 0.0026)];
@@ -103,10 +103,10 @@ pub fn test(rig: &Rig, position: f64, (_, rest, strokes): Test) -> Result<Rig> {
     let period = 1e-6 * f64::from(rig.period_us().get());
     let mut moves = vec![(0.0, 0)];
     let mut time = rest.max(period * RESTING as f64);
-    for (command, way) in strokes {
+    for (command, part) in strokes {
         let room = room(rig, start, f64::from(strokes[0].0).signum())?;
         moves.push((time, scaled(rig, *command)));
-        time += stroke_time(rig, &moves, start + way * room)?;
+        time += stroke_time(rig, &moves, start + part * room)?;
     }
     // A short cylinder rests longer before.
     let later = (period * FEWEST as f64 - time).max(0.0);

@@ -108,7 +108,7 @@ impl<B: TestRig> Plan<'_, B> {
         let mut read_off: Vec<(&str, Rig)> = ramp.map(|ramp| ("static", ramp)).into_iter().collect();
         read_off.push(test(moves::DYNAMIC)?);
         let fitted = moves::FITTED.map(test).into_iter().collect::<Result<Vec<_>>>()?;
-        // In closed loop a drive with swapped tubes would run away, so there is no way back before this.
+        // In closed loop a drive with swapped tubes would run away, so there is no return before this.
         let (name, file) = self.record(&movement, |file| check_movement(&file.samples))?;
         let mut recorded = Recorded { fitted: Vec::new(), all: Vec::new() };
         recorded.read_off(Recording::of(&name, &file, &movement.1));
@@ -127,8 +127,8 @@ impl<B: TestRig> Plan<'_, B> {
     /// Returns to the position at which the plan began, runs a test and records it, unless it is recorded already.
     fn record_from_the_start(&mut self, test: &(&str, Rig)) -> Result<(String, TargetFile)> {
         if self.bench.kept(test.0).is_none() {
-            let way_back = self.way_back()?;
-            self.bench.run(&way_back)?;
+            let return_move = self.return_move()?;
+            self.bench.run(&return_move)?;
         }
         self.record(test, |_| Ok(()))
     }
@@ -150,7 +150,7 @@ impl<B: TestRig> Plan<'_, B> {
         Ok((told, file))
     }
 
-    fn way_back(&self) -> Result<Rig> {
+    fn return_move(&self) -> Result<Rig> {
         let settings = [
             keys::test::MOVES.setting(format_args!("[[0.0, {}]]", self.count)),
             keys::test::DURATION_S.setting(RETURN_S),
@@ -164,9 +164,9 @@ fn check_movement(samples: &[(i32, RecordedSample)]) -> Result<()> {
     let (Some((_, first)), Some((_, last))) = (samples.first(), samples.last()) else {
         bail!("nothing was recorded");
     };
-    let way = last.position - first.position;
+    let travel = last.position - first.position;
     let push = first_push(samples, first.command);
-    match (way, push) {
+    match (travel, push) {
         (MOVED.., 1..) => Ok(()),
         (MOVED.., 0) => {
             log::info!(
@@ -176,21 +176,21 @@ fn check_movement(samples: &[(i32, RecordedSample)]) -> Result<()> {
         }
         (..=UNMOVED, 0) => bail!(
             "the drive retracts by {} counts on a command to extend, and the pressures vary too much beforehand to show why: swap the tubes of the valve's ports, or turn the encoder (encoder.polarity, or the wiring of one that is absolute), and start again",
-            -way
+            -travel
         ),
         (..=UNMOVED, ..=-1) => bail!(
             "the drive retracts by {} counts on a command to extend, and chamber 2 is fed: the tubes of the valve's ports are swapped, or its polarity is wrong; correct this and start again",
-            -way
+            -travel
         ),
         (..=UNMOVED, 1..) => bail!(
             "the encoder counts down by {} while chamber 1 pushes the piston out; change encoder.polarity, or the wiring of one that is absolute, and start again",
-            -way
+            -travel
         ),
         (MOVED.., ..=-1) => bail!(
-            "the drive extends by {way} counts while the pressure of chamber 2 rises: the pressure sensors are swapped; correct this and start again"
+            "the drive extends by {travel} counts while the pressure of chamber 2 rises: the pressure sensors are swapped; correct this and start again"
         ),
         _ => bail!(
-            "the drive moves by only {way} counts with the valve wide open; check the air supply, the enable of the amplifier, the spool and the encoder"
+            "the drive moves by only {travel} counts with the valve wide open; check the air supply, the enable of the amplifier, the spool and the encoder"
         ),
     }
 }
@@ -212,14 +212,14 @@ fn first_push(samples: &[(i32, RecordedSample)], resting: i16) -> i32 {
 mod tests {
     use super::*;
 
-    fn verdict(way: i32, push: i16) -> String {
+    fn verdict(travel: i32, push: i16) -> String {
         // Before the command pressures swing by 35 counts, as under a dither.
-        verdict_under(way, push, 35)
+        verdict_under(travel, push, 35)
     }
 
-    fn verdict_under(way: i32, push: i16, swing: i16) -> String {
+    fn verdict_under(travel: i32, push: i16, swing: i16) -> String {
         let sample = |k: i32| RecordedSample {
-            position: 8000 + way * k.max(0) / 20,
+            position: 8000 + travel * k.max(0) / 20,
             pressure_1: 1500 + push * k.max(0) as i16 + if k < 0 { swing * (k % 2) as i16 } else { 0 },
             pressure_2: 1500,
             command: if k < 0 { 0 } else { 960 },

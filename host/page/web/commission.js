@@ -248,11 +248,11 @@ export class Commission {
     const rig = this.#callbacks.rig();
     this.#tell('');
     try {
-      const way = await this.#ask('way', { rig });
-      const yes = !way || await asked('Go to the start of the test?', [html('p', {}, way.text)], 'Go there and run', () => true);
+      const approach = await this.#ask('approach', { rig });
+      const yes = !approach || await asked('Go to the start of the test?', [html('p', {}, approach.text)], 'Go there and run', () => true);
       if (!yes || !this.commands) return;
       this.#scope.turn(true);
-      this.#order('run', { rig, from_mm: way?.from_mm });
+      this.#order('run', { rig, from_mm: approach?.from_mm });
     } catch (error) {
       this.#tell(error.message);
     }
@@ -274,9 +274,9 @@ export class Commission {
   }
 
   /** Moves a step on from the setpoint, or from the position where there is no setpoint. */
-  #step(way) {
+  #step(sign) {
     const from = this.#look.setpoint ?? this.#look.position;
-    this.#go(Number((from + way * Number(this.#parts.step.value)).toFixed(3)));
+    this.#go(Number((from + sign * Number(this.#parts.step.value)).toFixed(3)));
   }
 
   /** A button that moves the drive while it is held, by pointer or by keyboard. */

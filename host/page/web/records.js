@@ -38,9 +38,9 @@ export class Records {
     return this.#align;
   }
 
-  /** Aligns all records in another way. */
-  set align(way) {
-    this.#align = way;
+  /** Aligns all records by another method. */
+  set align(method) {
+    this.#align = method;
     this.compareAgain();
   }
 

@@ -296,8 +296,8 @@ class Studio {
     if (!this.#run) this.#showNoRun();
   }
 
-  #travel(way) {
-    way();
+  #travel(through) {
+    through();
     this.#simulate();
   }
 

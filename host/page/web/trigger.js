@@ -5,9 +5,9 @@
  * on both sides of a gap are no crossing, as nobody knows what was between them.
  */
 export function crossing(time, values, { after, level, isRising }) {
-  const way = isRising ? 1 : -1;
+  const sign = isRising ? 1 : -1;
   for (let k = 1; k < time.length; k += 1) {
-    if (time[k] > after && way * (values[k - 1] - level) < 0 && way * (values[k] - level) >= 0) return time[k];
+    if (time[k] > after && sign * (values[k - 1] - level) < 0 && sign * (values[k] - level) >= 0) return time[k];
   }
   return null;
 }

@@ -35,8 +35,8 @@ def predicted(model: LinearModel, step: float, samples: int) -> NDArray[np.float
         rates = np.block([[model.A, (model.rates + input_ * model.B[:, 0])[:, None]], [np.zeros((1, n + 1))]])
         return np.asarray(scipy.linalg.expm(time_s * rates))
 
-    way = (after(step, samples * PERIOD_S - DELAY_S) @ after(0, DELAY_S))[:n, n]
-    return np.asarray(model.output + model.C @ way + step * model.D[:, 0])
+    state = (after(step, samples * PERIOD_S - DELAY_S) @ after(0, DELAY_S))[:n, n]
+    return np.asarray(model.output + model.C @ state + step * model.D[:, 0])
 
 
 @pytest.mark.parametrize("operator", ["solenoid", "solenoid-empirical"])

@@ -10,7 +10,7 @@
 //! | [`rig_source`], [`rig_text`] | rig files by name, and as text: new values, the same comments |
 //! | [`words`] | the meaning of the controller's codes |
 //! | [`parameter_names`] | names and values of parameters as in rig files |
-//! | [`move_points`] | a way through points, as a table of times and positions |
+//! | [`move_points`] | a path through points, as a table of times and positions |
 //! | [`move_records`] | move records of a drive as text |
 //! | [`units`] | figures of a device in mm, kPa and s |
 //! | [`window`] | windows of the controller's estimator |

@@ -64,7 +64,7 @@ pub fn through(rig: &Rig, bytes: impl AsRef<[u8]>, settings: &[String]) -> Resul
     let kept = straightened(&all, encoder::mm_per_count(rig));
     ensure!(
         kept.len() <= MAX_MOVES,
-        "its {} points need {} straight lines to be within a count, and a test has {MAX_MOVES} at most; split the way, or give fewer points",
+        "its {} points need {} straight lines to be within a count, and a test has {MAX_MOVES} at most; split the path, or give fewer points",
         all.len(),
         kept.len()
     );
@@ -128,7 +128,7 @@ fn points_of(bytes: impl AsRef<[u8]>) -> Result<Vec<Point>> {
         check_time(points.last(), &point)?;
         points.push(point);
     }
-    ensure!(points.len() > 1, "it has {} points; a way has two at least", points.len());
+    ensure!(points.len() > 1, "it has {} points; a path has two at least", points.len());
     Ok(points)
 }
 
@@ -174,11 +174,11 @@ fn furthest(points: &[Point], from: usize, near: f64) -> usize {
     let [mut least, mut most] = [f64::NEG_INFINITY, f64::INFINITY];
     let (begin, mut end) = (points[from], from + 1);
     for (place, point) in points.iter().enumerate().skip(from + 1) {
-        let (time, way) = (point.time_s - begin.time_s, point.mm - begin.mm);
-        if (least..=most).contains(&(way / time)) {
+        let (time, travel) = (point.time_s - begin.time_s, point.mm - begin.mm);
+        if (least..=most).contains(&(travel / time)) {
             end = place;
         }
-        (least, most) = (least.max((way - near) / time), most.min((way + near) / time));
+        (least, most) = (least.max((travel - near) / time), most.min((travel + near) / time));
         if least > most {
             break;
         }
@@ -197,7 +197,7 @@ fn check_speed(rig: &Rig, points: &[Point]) -> Result<f64> {
     for (pair, speed) in points.windows(2).zip(speeds(points)) {
         ensure!(
             speed.abs() <= limit,
-            "line {}: {:.1} mm/s from line {} on are above test.velocity_mm_s = {limit}; give the way more time, or raise the limit with --set test.velocity_mm_s={:.0}",
+            "line {}: {:.1} mm/s from line {} on are above test.velocity_mm_s = {limit}; give the path more time, or raise the limit with --set test.velocity_mm_s={:.0}",
             pair[1].line,
             speed.abs(),
             pair[0].line,

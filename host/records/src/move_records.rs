@@ -8,8 +8,8 @@
 //! | `dwell_s` | how long the axis stays at its target before it counts as in position; 0 if absent |
 //! | others | those of `[[test.move]]` except `at_s` and `points`: `to_mm`, `profile`, `velocity_mm_s`, ... |
 //!
-//! A drive begins a record wherever it stands. So a ramp has the lengths of the longest way to its target between the end
-//! positions of the drive: it is within its limits from anywhere, and takes the same time from anywhere.
+//! A drive begins a record wherever it stands. So a ramp is computed for the longest distance to its target between the
+//! soft limits of the drive: it is within its limits from anywhere, and takes the same time from anywhere.
 
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use pneudrive_controller::parameters::id;
@@ -156,11 +156,11 @@ fn settings_of(drive: &RigParameters) -> Result<Vec<String>> {
     ])
 }
 
-/// A record in words: target, way and dwell.
+/// A record in words: target, profile and dwell.
 #[must_use]
 pub fn in_words(record: &MoveRecord, units: &Units) -> String {
     let Move { target, profile, .. } = record.next;
-    let way = match profile {
+    let motion = match profile {
         Profile::Step => "at once".to_owned(),
         Profile::Ramp(_) => format!("in {}", units.time(profile.samples())),
         Profile::Wave(_) | Profile::Noise(_) => {
@@ -172,7 +172,7 @@ pub fn in_words(record: &MoveRecord, units: &Units) -> String {
         0 => String::new(),
         samples => format!(", dwell {}", units.time(samples)),
     };
-    format!("{:>2}  to {}, {way}{dwell}", record.number, units.length(target))
+    format!("{:>2}  to {}, {motion}{dwell}", record.number, units.length(target))
 }
 
 #[cfg(test)]
@@ -204,12 +204,12 @@ mod tests {
     /// From 4000 counts to the far end, 24,896 counts of 0.01205 mm away, at 300 mm/s: 0.839 s and what the
     /// acceleration takes.
     #[test]
-    fn a_ramp_is_within_its_limits_on_the_longest_way_to_its_target() {
+    fn a_ramp_is_within_its_limits_on_the_longest_distance_to_its_target() {
         let records = records_of("records.toml", FILE, &drive()).expect("two records");
         let Profile::Ramp(ramp) = records[1].next.profile else { panic!("no ramp") };
         let [velocity, acceleration, _] = Ramp::averages(&ramp);
-        let way_mm = f64::from(24_896 - 4000) * 0.01205;
-        let fastest = way_mm / (f64::from(velocity) * 1.3e-3);
+        let distance_mm = f64::from(24_896 - 4000) * 0.01205;
+        let fastest = distance_mm / (f64::from(velocity) * 1.3e-3);
         assert!((295.0..=300.0).contains(&fastest), "{fastest} mm/s");
         let steepest = fastest / (f64::from(acceleration) * 1.3e-3);
         assert!((4800.0..=5000.0).contains(&steepest), "{steepest} mm/s^2");

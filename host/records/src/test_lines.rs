@@ -32,7 +32,7 @@ pub fn lines(sequence: &Sequence) -> Vec<(String, String)> {
 
 fn text_of(next: &Move) -> String {
     let Move { at_sample, target, profile } = next;
-    let way = match profile {
+    let profile = match profile {
         Profile::Step => String::new(),
         Profile::Ramp(ramp) => {
             let [velocity, acceleration, jerk] = ramp.averages();
@@ -45,7 +45,7 @@ fn text_of(next: &Move) -> String {
             format!(" noise {amplitude} {samples} {hold} {taps}")
         }
     };
-    format!("{at_sample} {target}{way}")
+    format!("{at_sample} {target}{profile}")
 }
 
 /// The test of a file; None of one that does not tell it.

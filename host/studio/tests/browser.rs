@@ -139,8 +139,8 @@ fn the_curve_follows_a_slider_and_the_perturbed_runs_come_after_it() {
     let [x, y] = page.middle(&format!("{MASS} input[type=range]"));
     page.mouse("mousePressed", [x, y]);
     for step in 0..120_i32 {
-        let way = f64::from((step - 60).abs() - 60) * 0.5;
-        page.mouse("mouseMoved", [x - way, y]);
+        let travel = f64::from((step - 60).abs() - 60) * 0.5;
+        page.mouse("mouseMoved", [x - travel, y]);
         page.evaluate("new Promise(requestAnimationFrame)");
     }
     page.mouse("mouseMoved", [x + 25.0, y]);

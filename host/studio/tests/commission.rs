@@ -102,9 +102,9 @@ fn a_jog_moves_the_drive_at_its_rate_while_the_button_is_held_and_disarms_it_the
         page.line();
     }
     let held = page.wait_for(|line| line["position"].is_f64());
-    let way = held["position"].as_f64().expect("mm") - from;
+    let travel = held["position"].as_f64().expect("mm") - from;
     let most = 10.0 * begun.elapsed().as_secs_f64() + 2.0;
-    assert!((4.0..most).contains(&way), "{way} mm in {:?}: {held}", begun.elapsed());
+    assert!((4.0..most).contains(&travel), "{travel} mm in {:?}: {held}", begun.elapsed());
     page.order("release", Value::Null);
     wait_for_mode(&rig, Mode::Disarmed);
 }

@@ -50,8 +50,8 @@ fn a_test_or_a_move_whose_page_falls_silent_ends_as_soon_as_a_jog_does() {
     let mut far = rig_of_page();
     far["mm"] = json!(250.0);
     page.order("go", far);
-    let way = goes_on_for(&rig, &mut page);
-    assert!(test < PROMPT && way < PROMPT, "the test {test:?}, the move {way:?}");
+    let approach = goes_on_for(&rig, &mut page);
+    assert!(test < PROMPT && approach < PROMPT, "the test {test:?}, the move {approach:?}");
 }
 
 /// The drive at a place, where it holds.
@@ -83,11 +83,11 @@ fn a_drive_goes_to_the_start_of_its_test_slowly_and_runs_it_then() {
     let studio = studio_at(Some(rig.port()));
     let mut page = page(&studio, &runtime);
     hold_at(&mut page, 160.0);
-    let (answer, way) = page.ask("way", rig_of_page());
-    assert_eq!(answer, StatusCode::OK, "{way}");
-    assert!(way["text"].as_str().is_some_and(|text| text.contains("50 mm/s")), "{way}");
+    let (answer, approach) = page.ask("approach", rig_of_page());
+    assert_eq!(answer, StatusCode::OK, "{approach}");
+    assert!(approach["text"].as_str().is_some_and(|text| text.contains("50 mm/s")), "{approach}");
     let mut run = rig_of_page();
-    run["from_mm"] = way["from_mm"].clone();
+    run["from_mm"] = approach["from_mm"].clone();
     page.order("run", run);
     page.beat_until(|line| line["mode"] == "approaching");
     let begun = Instant::now();
@@ -121,7 +121,7 @@ fn a_drive_at_the_start_of_its_test_has_no_way_to_ask_for() {
     let studio = studio_at(Some(rig.port()));
     let mut page = page(&studio, &runtime);
     hold_at(&mut page, 98.7);
-    assert_eq!(page.ask("way", rig_of_page()), (StatusCode::OK, Value::Null));
+    assert_eq!(page.ask("approach", rig_of_page()), (StatusCode::OK, Value::Null));
 }
 
 #[test]
@@ -131,7 +131,7 @@ fn what_ends_the_way_to_a_start_ends_the_test_as_well() {
     let mut page = page(&studio, &runtime);
     hold_at(&mut page, 160.0);
     let mut run = rig_of_page();
-    run["from_mm"] = page.ask("way", rig_of_page()).1["from_mm"].clone();
+    run["from_mm"] = page.ask("approach", rig_of_page()).1["from_mm"].clone();
     page.order("run", run);
     page.beat_until(|line| line["mode"] == "approaching");
     page.order("disarm", Value::Null);

@@ -64,7 +64,7 @@ const SWINGS: &[&str] = &["sine", "chirp", "prbs"];
 
 #[rustfmt::skip]
 static FIELDS: &[Key] = &[
-    other::<String>("test.move.profile", PROFILE, Preset::Absent("must be given"), "", "The way of the setpoint.").key,
+    other::<String>("test.move.profile", PROFILE, Preset::Absent("must be given"), "", "How the setpoint goes to its target.").key,
     optional_number("test.move.at_s", 0.0, 4294.0, "when the profile of the move before is over", "", "Begin of the move, from the start of the test; whole microseconds.").key,
     optional_number("test.move.to_mm", -LENGTH, LENGTH, "to_counts", "", "Target in closed loop, or what sine, chirp and prbs swing about.").of(TO_TARGET).key,
     other::<Option<i64>>("test.move.to_counts", Kind::Integer { min: -COUNT, max: COUNT }, Preset::Absent("to_mm"), "", "The same in counts, as in open loop, where it is a valve command.").of(TO_TARGET).key,

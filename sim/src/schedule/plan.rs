@@ -10,7 +10,7 @@
 //! | hold | samples | to the nearest, 1 at least |
 //!
 //! A ramp begins at the setpoint before it. The first ramp of a closed loop begins where the drive stands, which no file
-//! knows. It has the lengths of the longest way between the soft limits, so it is within its limits from anywhere.
+//! knows. It has the lengths for the longest distance between the soft limits, so it is within its limits from anywhere.
 
 use std::num::NonZeroU32;
 
@@ -32,7 +32,7 @@ pub struct Planned {
     pub time_s: f64,
     /// Counts.
     pub target: i64,
-    /// The way there; None where it cannot be had.
+    /// The profile there; None where it cannot be had.
     pub profile: Result<Profile, Slip>,
 }
 
@@ -295,7 +295,7 @@ fn integer(entry: &Fields, name: &str) -> i64 {
     }
 }
 
-/// A ramp of these lengths. A way so long that rounding would show at its end is refused.
+/// A ramp of these lengths. A profile so long that rounding would show at its end is refused.
 fn ramp(lengths: [f64; 3], distance: f64) -> Result<Profile, Slip> {
     let product: f64 = lengths.iter().product();
     let [v, a, j] = lengths.map(|samples| samples as u32);

@@ -1,6 +1,6 @@
 //! The lengths of a ramp within limits, rounded here once to whole samples.
 //!
-//! The closed forms of the shortest way over a distance d, from rest to rest, with limits v, a and j of velocity,
+//! The closed forms of the time-optimal profile over a distance d, from rest to rest, with limits v, a and j of velocity,
 //! acceleration and jerk. The velocity rises for Ta + Tj and falls for the same time; Tv is the time at its mean:
 //!
 //! ```text
@@ -24,7 +24,7 @@ pub(super) struct Limits {
 }
 
 impl Limits {
-    /// Tv, Ta and Tj of the shortest way, samples.
+    /// Tv, Ta and Tj of the time-optimal profile, samples.
     pub fn shortest(&self, distance: f64) -> [f64; 3] {
         let Limits { velocity, acceleration, jerk } = *self;
         let Some(jerk) = jerk else {

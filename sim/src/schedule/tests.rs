@@ -185,7 +185,7 @@ proptest! {
     }
 }
 
-/// Once a finer encoder made a short way of every move.
+/// Once a finer encoder made a short distance of every move.
 #[test]
 fn moves_in_millimetres_go_to_the_same_places_by_any_encoder() {
     for (mm_per_count, counts) in [(0.01, [6250, 18_750]), (0.05, [1250, 3750]), (0.03, [2083, 6250])] {

@@ -11,7 +11,7 @@ const NEAR: f64 = 5e-3;
 const FASTEST: f64 = 1.2;
 
 /// New setpoints between 5 and 95 % of the stroke, 10 to 400 ms apart. No drive trips, runs away or passes the ends of its stroke; and none
-/// is ever farther from the way between where it got its setpoint and that than it takes to stop it.
+/// is ever farther from the path between where it got its setpoint and that than it takes to stop it.
 #[test]
 fn new_setpoints_in_motion_take_no_drive_beyond_what_it_takes_to_stop() {
     let mut draws = Draws(0x5be0_cd19_137e_2179);

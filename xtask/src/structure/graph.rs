@@ -45,23 +45,23 @@ fn arrows_below<'a>(parent: &Name, uses: &'a BTreeSet<Use>) -> Arrows<'a> {
     arrows
 }
 
-/// The shortest way from a sibling back to it.
+/// The shortest path from a sibling back to it.
 fn shortest_circle<'a>(arrows: &Arrows<'a>, start: &'a str) -> Option<Vec<&'a str>> {
-    let mut ways = vec![vec![start]];
+    let mut paths = vec![vec![start]];
     let mut seen = BTreeSet::new();
-    while !ways.is_empty() {
+    while !paths.is_empty() {
         let mut longer = Vec::new();
-        for way in ways {
-            for next in arrows.get(way[way.len() - 1]).into_iter().flat_map(BTreeMap::keys) {
+        for path in paths {
+            for next in arrows.get(path[path.len() - 1]).into_iter().flat_map(BTreeMap::keys) {
                 if *next == start {
-                    return Some(way);
+                    return Some(path);
                 }
                 if seen.insert(*next) {
-                    longer.push([&way[..], &[*next]].concat());
+                    longer.push([&path[..], &[*next]].concat());
                 }
             }
         }
-        ways = longer;
+        paths = longer;
     }
     None
 }

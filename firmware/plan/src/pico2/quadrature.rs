@@ -179,8 +179,8 @@ mod tests {
     fn every_edge_counts_up_or_down_through_0_from_any_level() {
         for start in 0..4 {
             let mut machine = Machine::new(levels(start));
-            let way = (1..=9).chain((-9..9).rev()).chain(-9..=0);
-            for position in way {
+            let path = (1..=9).chain((-9..9).rev()).chain(-9..=0);
+            for position in path {
                 let count = machine.count(levels(start + position));
                 assert_eq!(count, position, "from {start}");
             }

@@ -76,15 +76,15 @@ pub(super) fn check(answers: &Answers, cylinder: &Cylinder) -> Result<(), Answer
     if standing.abs() <= held {
         return Ok(());
     }
-    let (way, force) = (standing.signum(), answers.number("force")?.unwrap_or(0.0));
+    let (direction, force) = (standing.signum(), answers.number("force")?.unwrap_or(0.0));
     let (weight, uphill) = (standing - force, uphill(answers)?);
-    let question = if way * weight > way * force { "mass" } else { "force" };
+    let question = if direction * weight > direction * force { "mass" } else { "force" };
     let message = format!(
         "\"{}\" pulls with {:.0} N along the stroke in all, and the supply holds {held:.0} N on this piston: take less, a larger bore, or more supply pressure",
         answers.text(question).unwrap_or_default(),
         standing.abs()
     );
-    let left = way * PROPOSED * held;
+    let left = direction * PROPOSED * held;
     let piston = mass(answers, cylinder)?.value - answers.required("mass")?;
     let instead = match question {
         "mass" => format!("{:.3} kg", ((force - left) / uphill - piston).max(0.0)),

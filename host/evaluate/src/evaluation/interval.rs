@@ -6,10 +6,10 @@ use super::limit_cycle::{rest, still_band};
 use super::{Doubt, LimitCycle, Tracking};
 use crate::transient::{POSITION, PRESSURES, SETPOINT, Transient};
 
-/// A way of fewer counts cannot be distinguished from a drive that rests on the edge of a count.
-const SHORTEST_WAY_COUNTS: f64 = 2.5;
+/// A distance of fewer counts cannot be distinguished from a drive that rests on the edge of a count.
+const SHORTEST_DISTANCE_COUNTS: f64 = 2.5;
 
-/// A tenth of the way must be a count at least to be seen.
+/// A tenth of the distance must be a count at least to be seen.
 const SHORTEST_RISE_COUNTS: f64 = 10.0;
 
 /// The part of a move, at its end, that must show that the drive has settled.
@@ -48,7 +48,7 @@ impl<'a> Interval<'a> {
         self.transient.profile(self.begin, self.end)
     }
 
-    /// The target of the move, mm, if its setpoint never leaves the way there. A sine and a random sequence leave it,
+    /// The target of the move, mm, if its setpoint never leaves the range from start to target. A sine and a random sequence leave it,
     /// and their rise or overshoot would say nothing about the drive.
     pub fn straight_to(&self) -> Option<f64> {
         let to = self.setpoint()?;
@@ -56,8 +56,8 @@ impl<'a> Interval<'a> {
         let setpoints = &self.transient.channels[SETPOINT][samples];
         let from = setpoints[0];
         let count = self.transient.mm_per_count;
-        let way = from.min(to) - count..=from.max(to) + count;
-        setpoints.iter().all(|setpoint| way.contains(setpoint)).then_some(to)
+        let range = from.min(to) - count..=from.max(to) + count;
+        setpoints.iter().all(|setpoint| range.contains(setpoint)).then_some(to)
     }
 
     /// How the drive follows a profile; None of a step, and in open loop.
@@ -78,20 +78,21 @@ impl<'a> Interval<'a> {
     }
 
     /// How far it should go, mm, if that is at least this many counts.
-    fn way(&self, to: f64, least_counts: f64) -> Option<f64> {
-        Some(to - self.position()[0]).filter(|way| way.abs() > least_counts * self.transient.mm_per_count)
+    fn distance(&self, to: f64, least_counts: f64) -> Option<f64> {
+        Some(to - self.position()[0])
+            .filter(|distance| distance.abs() > least_counts * self.transient.mm_per_count)
     }
 
-    /// From 10 % to 90 % of the way to `to`, for the first time each, s.
+    /// From 10 % to 90 % of the distance to `to`, for the first time each, s.
     pub fn rise(&self, to: f64) -> Option<f64> {
-        let way = self.way(to, SHORTEST_RISE_COUNTS)?;
-        Some(self.passes(way, 0.9)? - self.passes(way, 0.1)?)
+        let distance = self.distance(to, SHORTEST_RISE_COUNTS)?;
+        Some(self.passes(distance, 0.9)? - self.passes(distance, 0.1)?)
     }
 
-    /// When the position has gone a share of its way, on the straight line between two samples, s.
-    fn passes(&self, way: f64, share: f64) -> Option<f64> {
+    /// When the position has gone a share of its distance, on the straight line between two samples, s.
+    fn passes(&self, distance: f64, share: f64) -> Option<f64> {
         let (time, position) = (self.time(), self.position());
-        let gone = |k: usize| (position[k] - position[0]) / way;
+        let gone = |k: usize| (position[k] - position[0]) / distance;
         let after = (1..position.len()).find(|&k| gone(k) >= share)?;
         let part = (share - gone(after - 1)) / (gone(after) - gone(after - 1));
         Some(time[after - 1] + part * (time[after] - time[after - 1]))
@@ -100,8 +101,8 @@ impl<'a> Interval<'a> {
     /// How far the position goes beyond `to`, mm: of a drive that stands still, swings for good, or has turned back
     /// and swings less and less.
     pub fn overshoot(&self, to: f64, limit_cycle: &LimitCycle) -> Option<f64> {
-        let way = self.way(to, SHORTEST_WAY_COUNTS)?;
-        let beyond = |position: &f64| (position - to) * way.signum();
+        let distance = self.distance(to, SHORTEST_DISTANCE_COUNTS)?;
+        let beyond = |position: &f64| (position - to) * distance.signum();
         let furthest = self.position().iter().map(beyond).fold(f64::NEG_INFINITY, f64::max);
         let turned_back = || {
             let back = furthest - self.position().last().map_or(furthest, beyond);

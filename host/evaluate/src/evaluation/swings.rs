@@ -10,7 +10,7 @@ pub(super) struct Swing {
     pub from_s: f64,
     /// Time of its end, s.
     pub to_s: f64,
-    /// Time at half its way, s: sharper than its ends, where the position is flat.
+    /// Time at half its height, s: sharper than its ends, where the position is flat.
     pub middle_s: f64,
     /// Its size, mm.
     pub size_mm: f64,
@@ -24,8 +24,8 @@ pub(super) fn swings(time: &[f64], position: &[f64], band_mm: f64) -> Vec<Swing>
 
 fn swing(time: &[f64], position: &[f64], from: usize, to: usize) -> Swing {
     let middle = (position[from] + position[to]) / 2.0;
-    let way = (position[to] - position[from]).signum();
-    let beyond = |k: &usize| (position[*k] - middle) * way >= 0.0;
+    let direction = (position[to] - position[from]).signum();
+    let beyond = |k: &usize| (position[*k] - middle) * direction >= 0.0;
     let after = (from + 1..=to).find(beyond).unwrap_or(to);
     let (before, here) = (position[after - 1], position[after]);
     let part = if here == before { 0.0 } else { (middle - before) / (here - before) };
@@ -42,7 +42,7 @@ fn turning_points(position: &[f64], band_mm: f64) -> Vec<usize> {
     let mut turns = Vec::new();
     let (mut low, mut high) = (0, 0);
     // 1 while the position rises, -1 while it falls, 0 until it has left its first value.
-    let mut way = 0;
+    let mut direction = 0;
     for (k, &here) in position.iter().enumerate() {
         if here > position[high] {
             high = k;
@@ -50,12 +50,12 @@ fn turning_points(position: &[f64], band_mm: f64) -> Vec<usize> {
         if here < position[low] {
             low = k;
         }
-        if way >= 0 && position[high] - here > band_mm {
-            turns.extend((way > 0).then_some(high));
-            (way, low) = (-1, k);
-        } else if way <= 0 && here - position[low] > band_mm {
-            turns.extend((way < 0).then_some(low));
-            (way, high) = (1, k);
+        if direction >= 0 && position[high] - here > band_mm {
+            turns.extend((direction > 0).then_some(high));
+            (direction, low) = (-1, k);
+        } else if direction <= 0 && here - position[low] > band_mm {
+            turns.extend((direction < 0).then_some(low));
+            (direction, high) = (1, k);
         }
     }
     turns

@@ -73,7 +73,7 @@ fn a_move_ends_where_the_next_one_begins_and_overshoot_has_the_direction_of_the_
     assert_eq!((moves[1].start_s, moves[1].from_mm, moves[1].to_mm), (1.0, 100.0, Some(40.0)));
 }
 
-/// Once `--from` made a move of what was left of one: with a later beginning, a shorter way and a faster rise.
+/// Once `--from` made a move of what was left of one: with a later beginning, a shorter distance and a faster rise.
 #[test]
 fn a_part_keeps_the_numbers_and_figures_of_its_moves_and_of_the_one_it_begins_in_only_those_of_its_end() {
     let setpoint = |t: f64| [40.0, 100.0, 60.0][(t / 1.0) as usize];

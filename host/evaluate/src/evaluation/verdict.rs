@@ -69,7 +69,7 @@ fn follows(moves: &[InRuns]) -> Option<String> {
 }
 
 fn settles(moves: &[InRuns], tolerance_mm: f64) -> Option<String> {
-    // A profile whose setpoint leaves the way to its end has no settling time.
+    // A profile whose setpoint leaves the range from its start to its end has no settling time.
     let is_asked = |one: &Move| one.to_mm.is_some() && (one.tracking.is_none() || one.settling_s.is_some());
     let asked = moves.iter().filter(|moves| own(moves).is_some_and(is_asked));
     let asked: Vec<InRuns> = asked.cloned().collect();

@@ -92,8 +92,8 @@ pub(super) fn independent(counts: &[f64], reach: usize) -> Vec<usize> {
 /// Where records of the same start begin with other distances: else the rounding of their first samples is the same, and
 /// no number of records averages it away.
 fn first_distance(counts: &[f64]) -> f64 {
-    let way: f64 = counts.windows(2).map(|pair| (pair[1] - pair[0]).abs()).sum();
-    1.0 + (GOLDEN * (way + counts.len() as f64)) % 1.0
+    let travel: f64 = counts.windows(2).map(|pair| (pair[1] - pair[0]).abs()).sum();
+    1.0 + (GOLDEN * (travel + counts.len() as f64)) % 1.0
 }
 
 #[cfg(test)]

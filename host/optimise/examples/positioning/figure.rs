@@ -121,8 +121,8 @@ fn axes(svg: &mut String, step_mm: f64) -> Result<()> {
         Ok(())
     };
     for part in 0..=3 {
-        let way_mm = f64::from(part) / 3.0 * step_mm;
-        across(y_position(step_mm - way_mm, step_mm), &format!("{way_mm:.0}"))?;
+        let travel_mm = f64::from(part) / 3.0 * step_mm;
+        across(y_position(step_mm - travel_mm, step_mm), &format!("{travel_mm:.0}"))?;
     }
     for decade in DECADES[0]..=DECADES[1] {
         let mm = 10_f64.powi(decade);
@@ -135,7 +135,7 @@ fn axes(svg: &mut String, step_mm: f64) -> Result<()> {
         let (x, below) = (x(time_s), foot + 18.0);
         writeln!(svg, "<text x=\"{x:.1}\" y=\"{below}\" text-anchor=\"middle\">{time_s:.1}</text>")?;
     }
-    for ([top, height], name) in [(ABOVE, "way, mm"), (BELOW, "distance to the target, mm")] {
+    for ([top, height], name) in [(ABOVE, "travel, mm"), (BELOW, "distance to the target, mm")] {
         let middle = top + 0.5 * height;
         writeln!(
             svg,

@@ -13,7 +13,7 @@
 //! x_k <= target < x_(k+1),   t_e = t_k + (t_(k+1) - t_k) (target - x_k)/(x_(k+1) - x_k)
 //! ```
 //!
-//! The interpolation leaves an error of order T^2. For a constant force F on a mass M, where t_e = 2 sqrt(M D/F) over a way D,
+//! The interpolation leaves an error of order T^2. For a constant force F on a mass M, where t_e = 2 sqrt(M D/F) over a distance D,
 //! it is T^2/(2 t_e) at most.
 //!
 //! The bound is that of the nominal rig from rest at its initial pressures, with the lag and delay of its valve, without dither.
@@ -55,7 +55,7 @@ pub struct Stop {
     /// Time, s.
     pub at_s: f64,
     /// Travel in the direction of the step, m.
-    pub way_m: f64,
+    pub travel_m: f64,
 }
 
 /// The bound on a step of `step_mm` about the middle of the stroke; None for a step that a valve which is open for a single
@@ -76,22 +76,25 @@ pub(crate) fn bound_of(rig: &Rig, steps: Steps) -> Result<Option<Bound>> {
         return Ok(None);
     }
     let nominal = open_loop(rig)?;
-    let way_m = 1e-3 * mm_per_count(rig) * (steps.to - steps.from).unsigned_abs() as f64;
+    let travel_m = 1e-3 * mm_per_count(rig) * (steps.to - steps.from).unsigned_abs() as f64;
     let period_s = rig.get(&keys::controller::PERIOD_S);
-    let found = switched(way_m, |samples| stop(&nominal, steps, samples, period_s))?;
+    let found = switched(travel_m, |samples| stop(&nominal, steps, samples, period_s))?;
     Ok(found.map(|(samples, at_s)| Bound { time_s: at_s, switch_s: samples * period_s }))
 }
 
-/// The switch, in samples, and the time at which a motion ends after `way_m`; `stop` tells how it ends for a switch at a sample.
+/// The switch, in samples, and the time at which a motion ends after `travel_m`; `stop` tells how it ends for a switch at a sample.
 ///
 /// # Errors
 /// The first of `stop`, and where no switch leads as far.
-fn switched(way_m: f64, mut stop: impl FnMut(u32) -> Result<Stop>) -> Result<Option<(f64, f64)>> {
+fn switched(travel_m: f64, mut stop: impl FnMut(u32) -> Result<Stop>) -> Result<Option<(f64, f64)>> {
     let (mut short, mut far) = (0, 1);
-    let mut ends = [Stop { at_s: 0.0, way_m: 0.0 }, stop(1)?];
-    while ends[1].way_m <= way_m {
+    let mut ends = [Stop { at_s: 0.0, travel_m: 0.0 }, stop(1)?];
+    while ends[1].travel_m <= travel_m {
         if far >= LATEST {
-            bail!("the drive does not make {:.1} mm in {far} samples with its valve fully open", 1e3 * way_m);
+            bail!(
+                "the drive does not make {:.1} mm in {far} samples with its valve fully open",
+                1e3 * travel_m
+            );
         }
         (short, far) = (far, 2 * far);
         ends = [ends[1], stop(far)?];
@@ -99,15 +102,15 @@ fn switched(way_m: f64, mut stop: impl FnMut(u32) -> Result<Stop>) -> Result<Opt
     while far - short > 1 {
         let middle = u32::midpoint(short, far);
         let end = stop(middle)?;
-        if end.way_m <= way_m {
+        if end.travel_m <= travel_m {
             (short, ends[0]) = (middle, end);
         } else {
             (far, ends[1]) = (middle, end);
         }
     }
-    let part = (way_m - ends[0].way_m) / (ends[1].way_m - ends[0].way_m);
+    let part = (travel_m - ends[0].travel_m) / (ends[1].travel_m - ends[0].travel_m);
     let between = |from: f64, to: f64| from + part * (to - from);
-    let moves = ends[0].way_m > 0.0;
+    let moves = ends[0].travel_m > 0.0;
     Ok(moves.then(|| (between(f64::from(short), f64::from(far)), between(ends[0].at_s, ends[1].at_s))))
 }
 
@@ -143,7 +146,7 @@ fn standstill(rig: &Rig, direction: f64) -> Result<Option<Stop>, IntegrationErro
     let rows = &runner.run()?.rows;
     let speed = |row: &MotionRow| direction * row.velocity;
     let Some(begin) = rows.iter().position(|row| speed(row) > 0.0) else {
-        return Ok(Some(Stop { at_s: 0.0, way_m: 0.0 }));
+        return Ok(Some(Stop { at_s: 0.0, travel_m: 0.0 }));
     };
     let ends = (begin + 1..rows.len()).find(|&k| speed(&rows[k]) <= 0.0);
     Ok(ends.map(|k| {
@@ -151,8 +154,8 @@ fn standstill(rig: &Rig, direction: f64) -> Result<Option<Stop>, IntegrationErro
         // Its deceleration there goes on until it stands, at most to the next row.
         let slows = speed(&rows[k.max(2) - 2]) - speed(last);
         let rest_s = if slows > 0.0 { (ROWS_S * speed(last) / slows).min(ROWS_S) } else { ROWS_S };
-        let way_m = direction * (last.position - rows[0].position) + speed(last) * rest_s / 2.0;
-        Stop { at_s: last.time + rest_s, way_m }
+        let travel_m = direction * (last.position - rows[0].position) + speed(last) * rest_s / 2.0;
+        Stop { at_s: last.time + rest_s, travel_m }
     }))
 }
 

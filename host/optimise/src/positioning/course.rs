@@ -60,7 +60,7 @@ impl Steps {
     /// # Errors
     /// When it does not fit between them, or is shorter than a count.
     pub fn of(rig: &Rig, step_mm: f64, place: Place) -> Result<Steps> {
-        let (count, [low, high]) = (mm_per_count(rig), way(rig));
+        let (count, [low, high]) = (mm_per_count(rig), range(rig));
         let step = (step_mm / count).round() as i64;
         if step < 1 || step > high - low {
             let [low, high] = [low, high].map(|counts| counts as f64 * count);
@@ -130,7 +130,7 @@ impl Sine {
     /// # Errors
     /// When it does not fit into the stroke.
     pub fn of(rig: &Rig, peak_to_peak_mm: f64, hz: f64) -> Result<Sine> {
-        let [low, high] = way(rig);
+        let [low, high] = range(rig);
         let amplitude = (peak_to_peak_mm / 2.0 / mm_per_count(rig)).round() as i64;
         if amplitude < 1 || 2 * amplitude > high - low {
             bail!("a sine of {peak_to_peak_mm} mm is lower than two counts, or does not fit into the stroke");
@@ -176,7 +176,7 @@ fn at_count(rig: &Rig, counts: i64) -> f64 {
 }
 
 /// Between which setpoints all moves lie, counts.
-fn way(rig: &Rig) -> [i64; 2] {
+fn range(rig: &Rig) -> [i64; 2] {
     let stroke_mm = 1e3 * rig.get(&keys::actuator::STROKE_M);
     let low = rig.get(&keys::safety::END_MIN_MM).unwrap_or(0.0).max(MARGIN * stroke_mm);
     let high = rig.get(&keys::safety::END_MAX_MM).unwrap_or(stroke_mm).min((1.0 - MARGIN) * stroke_mm);

@@ -59,7 +59,7 @@ pub struct Draw {
     pub bristles: bool,
 }
 
-/// The place of a step: where it lies on the way that the drive has, from 0 to 1, and whether it extends.
+/// The place of a step: where it lies in the range of the drive, from 0 to 1, and whether it extends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Place {
     /// 0 at the retracted end, 1 at the extended one.

@@ -12,7 +12,7 @@ pub struct Figure {
     /// Its value; None if the move does not show it.
     of: fn(&Move) -> Option<f64>,
     /// Whether only a move that goes somewhere has it; in a sum, others do not count.
-    of_a_way: bool,
+    of_a_move: bool,
 }
 
 /// Another number each time a figure is computed or a draw integrated in another way: rows from before are then of another sweep.
@@ -20,9 +20,9 @@ pub(super) const REVISION: u32 = 4;
 
 /// All of them.
 pub const FIGURES: [Figure; 13] = [
-    figure_of_a_way("rise_s", "from 10 % to 90 % of the way", |one| one.rise_s),
-    figure_of_a_way("overshoot_mm", "how far it goes beyond the setpoint", |one| one.overshoot_mm),
-    figure_of_a_way("overshoot_percent", "the same, relative to the way", |one| {
+    figure_of_a_move("rise_s", "from 10 % to 90 % of the distance", |one| one.rise_s),
+    figure_of_a_move("overshoot_mm", "how far it goes beyond the setpoint", |one| one.overshoot_mm),
+    figure_of_a_move("overshoot_percent", "the same, relative to the distance", |one| {
         Some(100.0 * one.overshoot_mm? / (one.to_mm? - one.from_mm).abs())
     }),
     figure(
@@ -68,11 +68,11 @@ pub const FIGURES: [Figure; 13] = [
 ];
 
 const fn figure(name: &'static str, meaning: &'static str, of: fn(&Move) -> Option<f64>) -> Figure {
-    Figure { name, meaning, of, of_a_way: false }
+    Figure { name, meaning, of, of_a_move: false }
 }
 
-const fn figure_of_a_way(name: &'static str, meaning: &'static str, of: fn(&Move) -> Option<f64>) -> Figure {
-    Figure { of_a_way: true, ..figure(name, meaning, of) }
+const fn figure_of_a_move(name: &'static str, meaning: &'static str, of: fn(&Move) -> Option<f64>) -> Figure {
+    Figure { of_a_move: true, ..figure(name, meaning, of) }
 }
 
 /// Which move.
@@ -119,7 +119,7 @@ impl Metric {
                 Ok(values.fold(first, |all, value| all.zip(value).map(|(a, b)| worst(a, b))))
             }
             MoveSelection::Sum => {
-                Ok(moves.iter().filter(|one| goes(one) || !self.figure.of_a_way).map(of).sum())
+                Ok(moves.iter().filter(|one| goes(one) || !self.figure.of_a_move).map(of).sum())
             }
         }
     }

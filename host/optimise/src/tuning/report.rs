@@ -152,7 +152,7 @@ fn limits(tuned: &Tuned) -> Option<String> {
 fn asked(task: &Task, trial: &Trial, tuned: &Tuned) -> String {
     let Goal { step_mm, settled_mm, overshoot_percent, time_s } = task.goal;
     let percent = |what: &str, by: f64| format!("{what} \u{b1}{:.0} %", 100.0 * by);
-    let [low, high] = trial.way_mm();
+    let [low, high] = trial.range_mm();
     let fixed = match task.fixed.as_slice() {
         [] => String::new(),
         fixed => format!(" Fixed: {}.", fixed.join(", ")),

@@ -33,7 +33,7 @@ pub struct Variant {
     pub supply: f64,
     /// Factor on the conductances of the valve.
     pub valve: f64,
-    /// Where the step lies on the way that the drive has: 0 at its retracted end, 1 at its extended end.
+    /// Where the step lies in the range of the drive: 0 at its retracted end, 1 at its extended end.
     pub place: f64,
     /// Whether the step extends; then it retracts again. False: the other way round.
     pub extends: bool,

@@ -5,7 +5,7 @@ use anyhow::Result;
 use super::trial::{MEMBERS, Trial};
 use super::{Performance, Task, Tuned, Variant};
 
-/// Parts of the way that the drive has besides the step.
+/// Parts of the range that the step leaves.
 const PLACES: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
 
 /// The largest number of runs that it takes.
@@ -20,7 +20,7 @@ pub struct AtPlace {
     pub runs: Vec<Performance>,
 }
 
-/// The step there and back at five places, from the retracted end to the extended one; at one where it takes the whole way.
+/// The step there and back at five places, from the retracted end to the extended one; at one where it takes the whole range.
 ///
 /// # Errors
 /// When it cannot be simulated.

@@ -50,13 +50,13 @@ fn spacing() -> Spacing {
 /// A rig with the step as its test.
 #[derive(Clone, Debug)]
 pub struct Trial {
-    /// The rig of the file, with the step about the middle of its way.
+    /// The rig of the file, with the step about the middle of its range.
     pub rig: Rig,
     /// Its file without a schedule, and its settings.
     file: RigFile,
     settings: Vec<String>,
     goal: Goal,
-    way: StepRange,
+    range: StepRange,
     runners: Arc<Runners>,
 }
 
@@ -101,8 +101,8 @@ impl Trial {
         let file = RigFile::read(name, &text);
         let bare = with_moves(&file, &unlimited(&settings), &keys::test::MOVES.setting("[[0.0, 0]]"))
             .map_err(without)?;
-        let way = StepRange::of(&bare, task)?;
-        let trial = Trial { rig: bare, file, settings, goal: task.goal, way, runners: Arc::default() };
+        let range = StepRange::of(&bare, task)?;
+        let trial = Trial { rig: bare, file, settings, goal: task.goal, range, runners: Arc::default() };
         let rig = trial.rig_of(&[], &Variant::NOMINAL)?;
         Ok(Trial { rig, ..trial })
     }
@@ -193,18 +193,18 @@ impl Trial {
     /// From where to where the step of a variant goes, mm.
     #[must_use]
     pub fn ends_mm(&self, variant: &Variant) -> [f64; 2] {
-        self.way.setpoints(variant).map(|counts| counts as f64 * self.way.mm_per_count)
+        self.range.setpoints(variant).map(|counts| counts as f64 * self.range.mm_per_count)
     }
 
     /// Between which setpoints every step lies, counts.
-    pub(super) fn way_counts(&self) -> [i64; 2] {
-        [self.way.low, self.way.high]
+    pub(super) fn range_counts(&self) -> [i64; 2] {
+        [self.range.low, self.range.high]
     }
 
     /// Between which positions every step lies, mm.
     #[must_use]
-    pub fn way_mm(&self) -> [f64; 2] {
-        [self.way.low, self.way.high].map(|counts| counts as f64 * self.way.mm_per_count)
+    pub fn range_mm(&self) -> [f64; 2] {
+        [self.range.low, self.range.high].map(|counts| counts as f64 * self.range.mm_per_count)
     }
 
     fn measured(&self, rig: &Rig, run: &Run) -> Result<(Transient, Vec<Move>), String> {
@@ -214,7 +214,7 @@ impl Trial {
     }
 
     fn rig_of(&self, gains: &[String], variant: &Variant) -> Result<Rig, Problems> {
-        self.rig_on(&self.way.step(variant), gains, variant)
+        self.rig_on(&self.range.step(variant), gains, variant)
     }
 
     /// A variant of the rig with these gains, whose test is this course.
@@ -227,7 +227,7 @@ impl Trial {
         let middle = encoder::middle(&self.rig, course.from as f64);
         let own = [
             keys::test::DURATION_S.setting(format_args!("{:?}", course.duration_s)),
-            keys::test::POSITION_M.setting(format_args!("{:?}", middle * self.way.mm_per_count / 1e3)),
+            keys::test::POSITION_M.setting(format_args!("{:?}", middle * self.range.mm_per_count / 1e3)),
         ];
         let settings: Vec<String> = self.settings.iter().chain(gains).cloned().chain(own).collect();
         with_moves(&self.file, &settings, &course.moves)?.with_plant(&variant.settings(&self.rig))
@@ -266,20 +266,20 @@ impl StepRange {
         let low_mm = ends.fold(clear_mm, f64::max);
         let ends = [highest, rig.get(&keys::safety::END_MAX_MM)].into_iter().flatten();
         let high_mm = ends.fold(stroke_mm - clear_mm, f64::min);
-        let way = StepRange {
+        let range = StepRange {
             low: (low_mm / mm).ceil() as i64,
             high: (high_mm / mm).floor() as i64,
             step: (goal.step_mm / mm).round() as i64,
             mm_per_count: mm,
             time_s: goal.time_s,
         };
-        if way.step > way.high - way.low {
+        if range.step > range.high - range.low {
             bail!(
                 "a step of {} mm does not fit between {low_mm:.1} and {high_mm:.1} mm of the stroke of {stroke_mm:.0} mm; make it shorter (--step), or the range wider (--lowest, --highest, safety.end_min_mm, safety.end_max_mm)",
                 goal.step_mm
             );
         }
-        Ok(way)
+        Ok(range)
     }
 
     /// The setpoints before and after the step of a variant, counts.

@@ -28,13 +28,13 @@ _FASTEST_M_S = 5.0
 class Positioning(gymnasium.Env[Observation, Action]):
     """The load is to move to a target, and to stay there.
 
-    An observation has six numbers from -1 to 1: the way to the target over the stroke, twice the position over the stroke
+    An observation has six numbers from -1 to 1: the signed distance to the target over the stroke, twice the position over the stroke
     less 1, the velocity over 5 m/s, both pressures and the spool over the ranges of their sensors. What is not measured
     is 0, and what is beyond its range is at the end of it. The velocity is the difference of two positions.
 
     An action is a number from -1 to 1: the command over its largest; positive extends.
 
-    The reward of a step is minus the way to the target over the stroke, so that an episode that is at its target
+    The reward of a step is minus the distance to the target over the stroke, so that an episode that is at its target
     throughout has 0. Nothing ends an episode but its length (`max_episode_steps` of `gymnasium.make`).
 
     `info` has `target_m` and the true state of the plant (`Plant.state`).
@@ -97,13 +97,13 @@ class Positioning(gymnasium.Env[Observation, Action]):
 
     def _seen(self, before: Sample, now: Sample) -> Observation:
         position_m = self._zero_m + self._units.position_m(now.position)
-        way_m = self._units.position_m(now.position - before.position)
+        travel_m = self._units.position_m(now.position - before.position)
         raw = np.array([now.pressure_1, now.pressure_2, now.spool]) / self._full_scale
         measured = [self.rig.sensors.pressure, self.rig.sensors.pressure, True]
         seen = [
             (self._target_m - position_m) / self._stroke_m,
             2 * position_m / self._stroke_m - 1,
-            way_m / self._units.time_s(self._samples) / _FASTEST_M_S,
+            travel_m / self._units.time_s(self._samples) / _FASTEST_M_S,
             *np.where(measured, 2 * raw - 1, 0.0),
         ]
         observation: Observation = np.clip(seen, -1.0, 1.0).astype(np.float32)

@@ -10,8 +10,8 @@ fn message(csv: &str) -> String {
 
 #[test]
 fn a_test_goes_through_the_points_and_begins_at_the_first_one() {
-    let csv = "# a way\ntime_s, position_mm\n0, 100\n0.2, 100\n\n0.7, 160\n1.0, 160\n";
-    let Through { rig, notes } = through(&rig(), csv, &[]).expect("a way");
+    let csv = "# a path\ntime_s, position_mm\n0, 100\n0.2, 100\n\n0.7, 160\n1.0, 160\n";
+    let Through { rig, notes } = through(&rig(), csv, &[]).expect("a path");
     let counts: Vec<f64> = rig.planned().iter().map(|one| one.target as f64 * 0.01205).collect();
     assert!(
         counts.iter().zip([100.0, 100.0, 160.0, 160.0]).all(|(is, asked)| (is - asked).abs() < 0.01),
@@ -26,7 +26,7 @@ fn a_test_goes_through_the_points_and_begins_at_the_first_one() {
 fn what_is_typed_of_the_test_holds_and_so_does_what_the_file_says_of_its_record() {
     let rig = rig().with_settings(&["test.decimation=2".to_owned()]).expect("valid");
     let settings = ["test.duration_s=2", "load.mass_kg=3"].map(str::to_owned);
-    let through = through(&rig, "time_s,position_mm\n0,100\n0.5,120\n", &settings).expect("a way").rig;
+    let through = through(&rig, "time_s,position_mm\n0,100\n0.5,120\n", &settings).expect("a path").rig;
     assert_eq!((through.get(&keys::test::DURATION_S), through.get(&keys::test::DECIMATION)), (2.0, 2));
 }
 
@@ -49,7 +49,7 @@ fn a_fine_table_becomes_lines_that_are_within_a_count_of_each_of_its_points() {
 }
 
 #[test]
-fn what_is_no_way_is_refused_with_its_line_and_what_to_do() {
+fn what_is_no_path_is_refused_with_its_line_and_what_to_do() {
     let with = |rows: &str| message(&format!("time_s,position_mm\n{rows}"));
     for (told, expected) in [
         (message(""), "time_s,position_mm"),

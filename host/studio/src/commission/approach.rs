@@ -1,4 +1,4 @@
-//! The way of a drive to the start of a test. A test runs from the place that it was designed for. A drive that
+//! The approach of a drive to the start of a test. A test runs from the place that it was designed for. A drive that
 //! stands elsewhere goes there slowly, after a question.
 
 use anyhow::{Result, bail};
@@ -14,7 +14,7 @@ const NEAR_MM: f64 = 1.0;
 /// How far it may have crept since it was found at the start, mm.
 const CREPT_MM: f64 = 3.0;
 
-/// How far from the start its way may end, mm.
+/// How far from the start its approach may end, mm.
 const REACHED_MM: f64 = 5.0;
 
 /// How far it may stand from the place that the question named, mm.
@@ -30,7 +30,7 @@ pub struct Approach {
 }
 
 impl Approach {
-    /// The way from a place to the start of a rig's test. None in open loop, where a test starts wherever the drive
+    /// The approach from a place to the start of a rig's test. None in open loop, where a test starts wherever the drive
     /// stands.
     pub fn of(rig: &Rig, from_mm: f64) -> Option<Approach> {
         let to_mm = 1e3 * rig.get(&keys::test::POSITION_M);
@@ -55,7 +55,7 @@ impl Approach {
         json!({ "from_mm": from_mm, "to_mm": to_mm, "text": text })
     }
 
-    /// Whether the drive has to go this way first. `agreed_mm`: where it stood when the page agreed to the way, mm.
+    /// Whether the drive has to approach the start first. `agreed_mm`: where it stood when the page agreed to that, mm.
     ///
     /// # Errors
     /// When the page has not agreed to it.
@@ -64,7 +64,7 @@ impl Approach {
         match agreed_mm {
             None if self.length_mm() <= CREPT_MM => Ok(false),
             None => bail!(
-                "not run: the drive stands at {from_mm:.1} mm and the test starts at {to_mm:.1} mm; run it again and agree to the way there"
+                "not run: the drive stands at {from_mm:.1} mm and the test starts at {to_mm:.1} mm; run it again and agree that it goes there"
             ),
             Some(agreed_mm) if (agreed_mm - from_mm).abs() > MOVED_MM => bail!(
                 "not run: the drive stood at {agreed_mm:.1} mm when you were asked and stands at {from_mm:.1} mm now; run it again"
@@ -73,7 +73,7 @@ impl Approach {
         }
     }
 
-    /// Refuses the test of a drive whose way has ended elsewhere.
+    /// Refuses the test of a drive whose approach has ended elsewhere.
     pub fn check_end(&self) -> Result<()> {
         if self.length_mm() <= REACHED_MM {
             return Ok(());
@@ -90,32 +90,32 @@ impl Approach {
 mod tests {
     use super::*;
 
-    fn way(from_mm: f64) -> Approach {
+    fn approach(from_mm: f64) -> Approach {
         let rig = Rig::builtin("servo-b-tuned").expect("a built-in rig");
         Approach::of(&rig, from_mm).expect("a closed loop")
     }
 
     #[test]
-    fn a_drive_at_the_start_has_nothing_to_ask_and_one_that_crept_no_way_to_go() {
-        assert_eq!(way(98.7).question(), Value::Null);
-        assert!(!way(101.0).is_to_go(None).expect("it crept"));
-        assert!(!way(98.7).is_to_go(Some(101.0)).expect("it crept back"));
+    fn a_drive_at_the_start_has_nothing_to_ask_and_one_that_crept_nowhere_to_go() {
+        assert_eq!(approach(98.7).question(), Value::Null);
+        assert!(!approach(101.0).is_to_go(None).expect("it crept"));
+        assert!(!approach(98.7).is_to_go(Some(101.0)).expect("it crept back"));
     }
 
     #[test]
-    fn a_way_is_asked_for_in_mm_and_mm_per_s_and_gone_by_who_agrees_to_it() {
-        let question = way(150.0).question();
+    fn an_approach_is_asked_for_in_mm_and_mm_per_s_and_made_once_the_page_agrees() {
+        let question = approach(150.0).question();
         let text = question["text"].as_str().expect("a text");
         assert!(text.contains("stands at 150.0 mm") && text.contains("starts at 98.7 mm"), "{text}");
         assert!(text.contains("50 mm/s, 51.3 mm in 1.0 s"), "{text}");
-        assert!(way(150.0).is_to_go(None).is_err(), "nobody has agreed");
-        assert!(way(150.0).is_to_go(question["from_mm"].as_f64()).expect("agreed"));
-        assert!(way(200.0).is_to_go(Some(150.0)).is_err(), "it stands elsewhere now");
+        assert!(approach(150.0).is_to_go(None).is_err(), "nobody has agreed");
+        assert!(approach(150.0).is_to_go(question["from_mm"].as_f64()).expect("agreed"));
+        assert!(approach(200.0).is_to_go(Some(150.0)).is_err(), "it stands elsewhere now");
     }
 
     #[test]
     fn a_test_is_not_run_by_a_drive_that_has_not_come_to_its_start() {
-        assert!(way(97.0).check_end().is_ok() && way(80.0).check_end().is_err());
+        assert!(approach(97.0).check_end().is_ok() && approach(80.0).check_end().is_err());
     }
 
     #[test]

@@ -76,7 +76,7 @@ fn rate(asked: Option<f64>) -> Result<f64, HttpRefusal> {
 #[derive(Debug, Deserialize)]
 #[serde(tag = "ask", rename_all = "kebab-case")]
 pub enum Questions {
-    Way { rig: PageRig },
+    Approach { rig: PageRig },
     Parameters { rig: PageRig },
     Change { values: Vec<(String, String)> },
     Save,
@@ -91,7 +91,7 @@ impl Questions {
     /// When the request's rig is invalid, or the bring-up would go too far.
     pub fn task(self) -> Result<Task, HttpRefusal> {
         Ok(match self {
-            Questions::Way { rig } => Task::Way(read(&rig)?),
+            Questions::Approach { rig } => Task::Approach(read(&rig)?),
             Questions::Parameters { rig } => Task::Parameters(read(&rig)?),
             Questions::Change { values } => Task::Change(values),
             Questions::Save => Task::Save,

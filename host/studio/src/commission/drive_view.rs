@@ -16,7 +16,7 @@ use super::samples::{Row, Samples};
 pub struct DriveView {
     /// Counts the looks.
     pub look: u32,
-    /// disarmed, armed, running, holding, fault; `approaching` on the way to the start of a test; `connecting` before
+    /// disarmed, armed, running, holding, fault; `approaching` while it goes to the start of a test; `connecting` before
     /// the first look.
     pub mode: &'static str,
     /// The cause of the trip and its meaning; empty without one.

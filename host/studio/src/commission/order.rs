@@ -79,8 +79,8 @@ pub enum Direction {
 /// A task with an answer.
 #[derive(Debug)]
 pub enum Task {
-    /// The way to the start of a rig's test.
-    Way(Box<Rig>),
+    /// The approach to the start of a rig's test.
+    Approach(Box<Rig>),
     /// The parameters of the drive, beside those of a rig.
     Parameters(Box<Rig>),
     /// New values by parameter name: all of them or none.
@@ -182,7 +182,7 @@ impl<'a> Orders<'a> {
     /// When a waiting order last confirmed a held button.
     pub fn confirmed(&mut self, direction: Direction) -> Option<Instant> {
         self.hear();
-        let again = |later: &&Arrived| matches!(later.order, Order::Jog(way, ..) if way == direction);
+        let again = |later: &&Arrived| matches!(later.order, Order::Jog(other, ..) if other == direction);
         self.waiting.iter().rev().find(again).map(|later| later.at)
     }
 

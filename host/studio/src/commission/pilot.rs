@@ -171,7 +171,7 @@ impl<'a> Pilot<'a> {
         if !matches!(order, Order::Alive | Order::Jog(..) | Order::Ask(..)) {
             self.tell("");
         }
-        if ends_way(&order) {
+        if ends_approach(&order) {
             self.follows_with(None);
         }
         let done = match order {
@@ -201,7 +201,9 @@ impl<'a> Pilot<'a> {
     /// Carries out a task with an answer.
     fn answer(&mut self, task: Task) -> Result<Value, HttpRefusal> {
         let answer = match task {
-            Task::Way(rig) => self.way(&rig).map(|way| way.map_or(Value::Null, |way| way.question())),
+            Task::Approach(rig) => {
+                self.approach(&rig).map(|found| found.map_or(Value::Null, |approach| approach.question()))
+            }
             Task::Parameters(rig) => parameters::table(&mut self.client, &rig),
             Task::Change(changes) => return self.change(&changes),
             Task::Save => self.client.save_parameters().map(|()| Value::Null),
@@ -279,9 +281,9 @@ impl<'a> Pilot<'a> {
     }
 }
 
-/// Whether an order ends the way to the start of a test, so that no test follows.
-fn ends_way(order: &Order) -> bool {
-    let goes_by = |task: &Task| matches!(task, Task::Way(_) | Task::Parameters(_) | Task::Save);
+/// Whether an order ends the approach to the start of a test, so that no test follows.
+fn ends_approach(order: &Order) -> bool {
+    let goes_by = |task: &Task| matches!(task, Task::Approach(_) | Task::Parameters(_) | Task::Save);
     match order {
         Order::Alive | Order::Answer(..) | Order::Release => false,
         Order::Ask(task, _) => !goes_by(task),

@@ -72,7 +72,7 @@ pub fn keep_picture(page: &mut Browser, name: &str) {
     fs::remove_file(encoded).expect("removed");
 }
 
-/// Runs the test of the page, and agrees to the way to its start where the page asks; what it has asked.
+/// Runs the test of the page, and agrees that the drive goes to its start where the page asks; what it has asked.
 pub fn run_the_test(page: &mut Browser) -> String {
     let button = "[...document.querySelectorAll('#commission button')].find((one) => one.textContent.startsWith('Run'))";
     let is_running = "document.querySelector('#commission .mode').textContent === 'running'";

@@ -123,14 +123,14 @@ const SEEN_PA: f64 = 5e3;
 
 /// How often values turn back by more than so much.
 fn turns(values: &[f64], seen: f64) -> usize {
-    let (mut turns, mut from, mut way) = (0, values[0], 0.0);
+    let (mut turns, mut from, mut direction) = (0, values[0], 0.0);
     for value in values {
         let gone = value - from;
-        if gone * way > 0.0 {
+        if gone * direction > 0.0 {
             from = *value;
         } else if gone.abs() > seen {
-            turns += usize::from(way != 0.0);
-            (way, from) = (gone.signum(), *value);
+            turns += usize::from(direction != 0.0);
+            (direction, from) = (gone.signum(), *value);
         }
     }
     turns

@@ -87,11 +87,11 @@ const PRINTED: [&str; 6] = [
     "test.duration_s=3",
 ];
 
-/// A way of doing the test: the command (counts), and how long each 500 Pa of the supply last (s).
-type Way = (i32, f64);
+/// A procedure of the test: the command (counts), and how long each 500 Pa of the supply last (s).
+type Procedure = (i32, f64);
 
 /// A quarter of the full opening first; the thesis says "about", and how slowly is not said.
-const WAYS: [Way; 4] = [(512, 0.01), (384, 0.01), (640, 0.01), (512, 0.02)];
+const PROCEDURES: [Procedure; 4] = [(512, 0.01), (384, 0.01), (640, 0.01), (512, 0.02)];
 
 /// The supply begins here, and is raised by this much at a time, Pa.
 const FROM_PA: f64 = 102e3;
@@ -109,7 +109,8 @@ struct Friction {
 fn tests() -> Result<Measured> {
     let mut measured = Measured::default();
     for (name, direction) in [("extend", 1.0), ("retract", -1.0)] {
-        let found: Vec<Friction> = WAYS.iter().map(|way| friction(*way, direction)).collect::<Result<_>>()?;
+        let found: Vec<Friction> =
+            PROCEDURES.iter().map(|procedure| friction(*procedure, direction)).collect::<Result<_>>()?;
         let of = |of: fn(&Friction) -> f64| found.iter().map(of).collect::<Vec<f64>>();
         let rests_on = "the valve 3/16 to 5/16 open, the supply raised by 25 or 50 kPa/s";
         measured.readings.extend([
@@ -135,7 +136,7 @@ fn staircase(step_s: f64) -> String {
     text
 }
 
-fn friction((counts, step_s): Way, direction: f64) -> Result<Friction> {
+fn friction((counts, step_s): Procedure, direction: f64) -> Result<Friction> {
     let position_m = if direction > 0.0 { 0.05 } else { 0.25 };
     let test = [
         keys::test::MOVES.setting(format_args!("[[0.0, {}]]", counts * direction as i32)),

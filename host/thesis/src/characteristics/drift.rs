@@ -24,8 +24,8 @@ const HOURS: f64 = 8.0;
 /// A drive is looked at for this long before its next move, s, or for a quarter of a shorter hold.
 const LOOK_S: f64 = 0.2;
 
-/// The way of the move that a hold follows.
-const WAYS: [(&str, Ordering); 2] =
+/// The direction of the move that a hold follows.
+const DIRECTIONS: [(&str, Ordering); 2] =
     [("after an extension", Ordering::Greater), ("after a retraction", Ordering::Less)];
 
 /// Each test runs from its own start and from four neighbouring ones, at these parts of the stroke from it. Within its
@@ -106,16 +106,16 @@ fn from(rig: &Rig, of_stroke: f64) -> Result<[ErrorAtRest; 2], Unfit> {
     let start = (rig.get(&keys::test::POSITION_M) + of_stroke * stroke).clamp(0.0, stroke);
     let rig = rig.with_numbers(&[(keys::test::POSITION_M.path, start)]).expect("a place on the stroke");
     let run = run(&rig, Accuracy::of(&rig))?;
-    Ok(WAYS.map(|(_, way)| at_rest(&rig, &run, way)))
+    Ok(DIRECTIONS.map(|(_, direction)| at_rest(&rig, &run, direction)))
 }
 
-/// The last hold of a run that follows a move one way.
-fn at_rest(rig: &Rig, run: &Run, way: Ordering) -> ErrorAtRest {
+/// The last hold of a run that follows a move in one direction.
+fn at_rest(rig: &Rig, run: &Run, direction: Ordering) -> ErrorAtRest {
     if run.fault.is_some() {
         return ErrorAtRest::NOT;
     }
     let setpoint = |k: usize| run.observations[k].setpoint;
-    let goes = |k: &usize| setpoint(*k).cmp(&setpoint(k - 1)) == way;
+    let goes = |k: &usize| setpoint(*k).cmp(&setpoint(k - 1)) == direction;
     let Some(begin) = (1..run.observations.len()).rfind(goes) else {
         return ErrorAtRest::NOT;
     };
@@ -133,18 +133,18 @@ fn at_rest(rig: &Rig, run: &Run, way: Ordering) -> ErrorAtRest {
 }
 
 fn series(hours: &[f64], at_rest: &[[ErrorAtRest; 2]]) -> Vec<Curve> {
-    let of = |way: usize, what: &str, y: fn(&ErrorAtRest) -> f64| {
+    let of = |direction: usize, what: &str, y: fn(&ErrorAtRest) -> f64| {
         Curve::new(
-            &format!("{}{what}", WAYS[way].0),
+            &format!("{}{what}", DIRECTIONS[direction].0),
             hours.to_vec(),
-            at_rest.iter().map(|at_rest| y(&at_rest[way])).collect(),
+            at_rest.iter().map(|at_rest| y(&at_rest[direction])).collect(),
         )
     };
-    let each = |way| {
+    let each = |direction| {
         [
-            of(way, "", |at_rest| at_rest.mean),
-            of(way, ", lowest", |at_rest| at_rest.lowest),
-            of(way, ", highest", |at_rest| at_rest.highest),
+            of(direction, "", |at_rest| at_rest.mean),
+            of(direction, ", lowest", |at_rest| at_rest.lowest),
+            of(direction, ", highest", |at_rest| at_rest.highest),
         ]
     };
     [0, 1].into_iter().flat_map(each).collect()
@@ -154,9 +154,9 @@ fn series(hours: &[f64], at_rest: &[[ErrorAtRest; 2]]) -> Vec<Curve> {
 fn figures(at_rest: &[[ErrorAtRest; 2]], count: f64) -> Vec<Figure> {
     let ends = [(0.0, at_rest[0]), (HOURS, at_rest[at_rest.len() - 1])];
     let mut figures = Vec::new();
-    for (way, (name, _)) in WAYS.iter().enumerate() {
+    for (direction, (name, _)) in DIRECTIONS.iter().enumerate() {
         for (hour, at_rest) in ends {
-            let ErrorAtRest { mean, lowest, highest } = at_rest[way];
+            let ErrorAtRest { mean, lowest, highest } = at_rest[direction];
             if mean.is_finite() {
                 let within = (highest - mean).max(mean - lowest) + count;
                 figures.push(Figure::read(format!("error {name}, at {hour} h"), mean, within, "mm"));

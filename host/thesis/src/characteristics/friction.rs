@@ -44,38 +44,38 @@ const AFTER: usize = 30_000;
 /// Readings from one point of a graph to the next while nothing moves, and in motion.
 const THINNED: [usize; 2] = [100, 10];
 
-/// The way that the load is pushed.
+/// The direction in which the load is pushed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Way {
+enum Direction {
     Extending,
     Retracting,
 }
 
-impl Way {
+impl Direction {
     fn sign(self) -> f64 {
         match self {
-            Way::Extending => 1.0,
-            Way::Retracting => -1.0,
+            Direction::Extending => 1.0,
+            Direction::Retracting => -1.0,
         }
     }
 
     fn name(self) -> &'static str {
         match self {
-            Way::Extending => "extending",
-            Way::Retracting => "retracting",
+            Direction::Extending => "extending",
+            Direction::Retracting => "retracting",
         }
     }
 
     /// Of a force, N.
-    fn of(force: f64) -> Way {
-        if force < 0.0 { Way::Retracting } else { Way::Extending }
+    fn of(force: f64) -> Direction {
+        if force < 0.0 { Direction::Retracting } else { Direction::Extending }
     }
 
     /// Where the test begins, of the stroke: most of it lies ahead.
     fn start(self) -> f64 {
         match self {
-            Way::Extending => 0.1,
-            Way::Retracting => 0.9,
+            Direction::Extending => 0.1,
+            Direction::Retracting => 0.9,
         }
     }
 }
@@ -94,8 +94,8 @@ struct Gauges {
 
 impl Gauges {
     /// The readings for a load that `force` (N, towards extension) pushes against its friction.
-    fn new(way: Way, time: f64, supply: f64, force: f64, seen: &Snapshot) -> Gauges {
-        let sign = way.sign();
+    fn new(direction: Direction, time: f64, supply: f64, force: f64, seen: &Snapshot) -> Gauges {
+        let sign = direction.sign();
         Gauges {
             time,
             supply,
@@ -107,9 +107,9 @@ impl Gauges {
     }
 }
 
-/// The rise of the supply for one way, and the first reading at which the load moves.
+/// The rise of the supply for one direction, and the first reading at which the load moves.
 struct Rise {
-    way: Way,
+    direction: Direction,
     /// Speed up to which the load is held, m/s.
     creep: f64,
     readings: Vec<Gauges>,
@@ -118,13 +118,14 @@ struct Rise {
 
 pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
     let rig = rig.on_bench();
-    let rises = [rise(&rig, Way::Extending)?, rise(&rig, Way::Retracting)?];
+    let rises = [rise(&rig, Direction::Extending)?, rise(&rig, Direction::Retracting)?];
     if rises.iter().any(|rise| rise.moving.is_some_and(|moving| moving < ALONE as usize)) {
         return Err(Unfit::NoPart("its load moves by itself, without air"));
     }
     let viscous = rig.get(&keys::load::VISCOUS_N_S_PER_M);
     let [extending, retracting] = &rises;
-    let of_both = |y: fn(&Gauges) -> f64| rises.iter().map(|rise| rise.series(rise.way.name(), y)).collect();
+    let of_both =
+        |y: fn(&Gauges) -> f64| rises.iter().map(|rise| rise.series(rise.direction.name(), y)).collect();
     Ok(Characteristic {
         notes: vec![
             "The valve is open by a quarter and the supply rises slowly from the pressure of the surroundings, in open loop. Friction is the force of the cylinder less what the load weighs, its spring and its constant force: static at the last reading before the load moves, dynamic at the first instant of constant speed.".to_owned(),
@@ -149,28 +150,28 @@ struct Push {
     pressures: [f64; 2],
     /// The supply before, and after all steps, Pa.
     supply: [f64; 2],
-    /// The way that the valve alone would move it.
-    valve: Way,
+    /// The direction in which the valve alone would move it.
+    valve: Direction,
 }
 
 impl Push {
-    /// The one that moves the load of a rig in one way.
-    fn new(rig: &Rig, way: Way) -> Result<Push, Unfit> {
+    /// The one that moves the load of a rig in one direction.
+    fn new(rig: &Rig, direction: Direction) -> Result<Push, Unfit> {
         let [exhaust, full] =
             [&keys::exhaust::PRESSURE_PA, &keys::supply::PRESSURE_PA].map(|key| rig.get(key));
-        let position = way.start() * rig.get(&keys::actuator::STROKE_M);
+        let position = direction.start() * rig.get(&keys::actuator::STROKE_M);
         let load = Load::of(rig);
         let standing = load.standing_force(position);
         let held =
             [&keys::friction::STATIC_RETRACT_N, &keys::friction::STATIC_EXTEND_N].map(|key| rig.get(key));
         if (-held[0]..=held[1]).contains(&standing) {
-            return Ok(Push { position, pressures: [exhaust; 2], supply: [exhaust, full], valve: way });
+            return Ok(Push { position, pressures: [exhaust; 2], supply: [exhaust, full], valve: direction });
         }
         let actuator = Actuator::of(rig);
-        let carries = Way::of(-standing);
+        let carries = Direction::of(-standing);
         let (chamber, area) = match carries {
-            Way::Extending => (0, actuator.area_1),
-            Way::Retracting => (1, actuator.area_2),
+            Direction::Extending => (0, actuator.area_1),
+            Direction::Retracting => (1, actuator.area_2),
         };
         let carrying = exhaust + standing.abs() / area;
         if carrying >= full {
@@ -178,7 +179,7 @@ impl Push {
         }
         let mut pressures = [exhaust; 2];
         pressures[chamber] = carrying;
-        let last = if way == carries { full } else { exhaust };
+        let last = if direction == carries { full } else { exhaust };
         Ok(Push { position, pressures, supply: [carrying, last], valve: carries })
     }
 
@@ -190,9 +191,9 @@ impl Push {
     }
 }
 
-/// Pushes the load of a rig one way.
-fn rise(rig: &Rig, way: Way) -> Result<Rise, Unfit> {
-    let push = Push::new(rig, way)?;
+/// Pushes the load of a rig in one direction.
+fn rise(rig: &Rig, direction: Direction) -> Result<Rise, Unfit> {
+    let push = Push::new(rig, direction)?;
     let range = rig.get(&keys::supply::PRESSURE_PA) - rig.get(&keys::exhaust::PRESSURE_PA);
     let stroke = rig.get(&keys::actuator::STROKE_M);
     let start = [
@@ -203,7 +204,7 @@ fn rise(rig: &Rig, way: Way) -> Result<Rise, Unfit> {
     let rig = rig.with_numbers(&start).expect("pressures between surroundings and supply, within the stroke");
     let mut plant = Plant::new(&rig, Accuracy::default(), 0).with_timing((1e6 * PERIOD_S) as u64, 1);
     let load = Load::of(&rig);
-    let mut rise = Rise { way, creep: load.friction.creep(), readings: Vec::new(), moving: None };
+    let mut rise = Rise { direction, creep: load.friction.creep(), readings: Vec::new(), moving: None };
     for k in 0..ALONE + STEPS {
         let supply = push.supply(k, range);
         plant.set_supply_pressure(supply);
@@ -217,7 +218,7 @@ fn rise(rig: &Rig, way: Way) -> Result<Rise, Unfit> {
                 return Ok(rise);
             }
             let force = seen.actuator_force + load.standing_force(seen.position);
-            rise.readings.push(Gauges::new(way, time, supply, force, &seen));
+            rise.readings.push(Gauges::new(direction, time, supply, force, &seen));
             if rise.is_over() {
                 return Ok(rise);
             }
@@ -228,8 +229,8 @@ fn rise(rig: &Rig, way: Way) -> Result<Rise, Unfit> {
 }
 
 /// The command that opens the valve by a quarter, at reading `k`. A stepper walks there step by step.
-fn quarter(rig: &Rig, way: Way, k: u32) -> Command {
-    let sign = way.sign() as i8;
+fn quarter(rig: &Rig, direction: Direction, k: u32) -> Command {
+    let sign = direction.sign() as i8;
     if rig.get(&keys::operator::MODEL) == operator::OperatorKind::Stepper {
         let steps = (rig.get(&keys::stepper::MAX_STEPS) / 4).max(1);
         let creeps = i64::from(k) < steps;
@@ -277,7 +278,7 @@ impl Rise {
 
     fn figures(&self, viscous: f64) -> Vec<Figure> {
         let named = |what: &str, reading, unit| Figure {
-            name: format!("{what}, {}", self.way.name()),
+            name: format!("{what}, {}", self.direction.name()),
             reading,
             unit,
         };
@@ -343,9 +344,15 @@ mod tests {
             [&[][..], &["load.incline_deg=30"], &["load.constant_force_n=-12", "load.spring_n_per_m=40"]]
         {
             let found = measure(&rig(others)).expect("a load");
-            for (way, [stiction, coulomb]) in [("extending", [70.0, 40.0]), ("retracting", [40.0, 11.0])] {
-                assert_reads(&found, &format!("static friction, {way}"), stiction);
-                assert_reads(&found, &format!("dynamic friction less the viscous part, {way}"), coulomb);
+            for (direction, [stiction, coulomb]) in
+                [("extending", [70.0, 40.0]), ("retracting", [40.0, 11.0])]
+            {
+                assert_reads(&found, &format!("static friction, {direction}"), stiction);
+                assert_reads(
+                    &found,
+                    &format!("dynamic friction less the viscous part, {direction}"),
+                    coulomb,
+                );
             }
         }
     }
@@ -356,10 +363,10 @@ mod tests {
         for (name, _) in pneudrive_sim::rigfile::BUILTIN {
             let rig = Rig::builtin(name).expect("a built-in rig");
             let found = measure(&rig).expect("a load");
-            for (way, key) in [("extending", "extend"), ("retracting", "retract")] {
+            for (direction, key) in [("extending", "extend"), ("retracting", "retract")] {
                 let friction = |kind: &str| rig.number_at(&format!("load.{kind}_{key}_n")).expect("a number");
-                assert_reads(&found, &format!("static friction, {way}"), friction("static"));
-                let dry = format!("dynamic friction less the viscous part, {way}");
+                assert_reads(&found, &format!("static friction, {direction}"), friction("static"));
+                let dry = format!("dynamic friction less the viscous part, {direction}");
                 if figure(&found, &dry).value().is_some() {
                     assert_reads(&found, &dry, friction("coulomb"));
                 } else {
@@ -373,14 +380,14 @@ mod tests {
     #[test]
     fn the_force_at_constant_speed_holds_the_viscous_friction() {
         let found = measure(&rig(&["load.viscous_n_s_per_m=80"])).expect("a load");
-        for way in ["extending", "retracting"] {
-            let value = |name: &str| figure(&found, &format!("{name}, {way}")).value().expect("read");
+        for direction in ["extending", "retracting"] {
+            let value = |name: &str| figure(&found, &format!("{name}, {direction}")).value().expect("read");
             let viscous = 80.0 * 1e-3 * value("that speed");
             let whole = value("dynamic friction at constant speed");
-            assert!(viscous > 0.5, "{way}: it moves, with {viscous} N");
+            assert!(viscous > 0.5, "{direction}: it moves, with {viscous} N");
             assert!(
                 (whole - viscous - value("dynamic friction less the viscous part")).abs() < 1e-9,
-                "{way}"
+                "{direction}"
             );
         }
     }
@@ -390,9 +397,9 @@ mod tests {
     fn a_load_on_bristles_is_held_until_it_slides() {
         let bristles = ["load.friction=lugre", "load.film_growth_s=100", "load.stribeck_exponent=2"];
         let found = measure(&rig(&bristles)).expect("a load");
-        for (way, stiction) in [("extending", 70.0), ("retracting", 40.0)] {
-            let read = figure(&found, &format!("static friction, {way}")).value().expect("it slides");
-            assert!((1.0 - 0.05..1.0).contains(&(read / stiction)), "{way}: {read} N");
+        for (direction, stiction) in [("extending", 70.0), ("retracting", 40.0)] {
+            let read = figure(&found, &format!("static friction, {direction}")).value().expect("it slides");
+            assert!((1.0 - 0.05..1.0).contains(&(read / stiction)), "{direction}: {read} N");
         }
     }
 
@@ -438,9 +445,11 @@ mod tests {
             &["load.incline_deg=90", "load.mass_kg=30", "load.constant_force_n=-50"],
         ] {
             let found = measure(&own(others)).unwrap_or_else(|unfit| panic!("{others:?}: {unfit}"));
-            for (way, [stiction, coulomb]) in [("extending", [60.0, 30.0]), ("retracting", [50.0, 25.0])] {
-                assert_reads(&found, &format!("static friction, {way}"), stiction);
-                let dry = format!("dynamic friction less the viscous part, {way}");
+            for (direction, [stiction, coulomb]) in
+                [("extending", [60.0, 30.0]), ("retracting", [50.0, 25.0])]
+            {
+                assert_reads(&found, &format!("static friction, {direction}"), stiction);
+                let dry = format!("dynamic friction less the viscous part, {direction}");
                 if figure(&found, &dry).value().is_some() {
                     assert_reads(&found, &dry, coulomb);
                 }

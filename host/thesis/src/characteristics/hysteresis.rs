@@ -126,9 +126,9 @@ pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
 
 /// Both branches as curves, in mm of command.
 pub(super) fn branches(of: &Loop, name: &str, scale: f64) -> [Curve; 2] {
-    [("up", &of.up), ("down", &of.down)].map(|(way, branch)| {
+    [("up", &of.up), ("down", &of.down)].map(|(direction, branch)| {
         Curve::new(
-            &format!("{way}, {name}"),
+            &format!("{direction}, {name}"),
             branch.iter().map(|place| place.0 * 1e3).collect(),
             branch.iter().map(|place| place.1 * scale).collect(),
         )

@@ -138,9 +138,9 @@ impl Outcome {
     /// From the beginning of its last move until the drive has gone a hundredth of the way, s.
     pub(super) fn delay_s(&self) -> Option<f64> {
         let one = self.last();
-        let way = one.to_mm? - one.from_mm;
+        let distance = one.to_mm? - one.from_mm;
         let samples = self.transient.time.iter().zip(&self.transient.channels[POSITION]);
-        let gone = |position: f64| (position - one.from_mm) / way >= 0.01;
+        let gone = |position: f64| (position - one.from_mm) / distance >= 0.01;
         let mut after = samples.skip_while(|(time, _)| **time < one.start_s);
         Some(after.find(|(_, position)| gone(**position))?.0 - one.start_s)
     }

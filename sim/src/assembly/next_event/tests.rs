@@ -105,8 +105,8 @@ fn follow_steps(settings: &[(&str, f64)], counts: &[i16]) -> Vec<Passed> {
     passed
 }
 
-/// Both ways to the events are one, as far as a motion that is nearly at rest allows.
-fn check_ways(settings: &[(&str, f64)], counts: &[i16]) -> Result<usize, TestCaseError> {
+/// Both methods find the same events, as far as a motion that is nearly at rest allows.
+fn check_both_methods(settings: &[(&str, f64)], counts: &[i16]) -> Result<usize, TestCaseError> {
     let (looked, stepped) = (follow(settings, counts)?, follow_steps(settings, counts));
     for ((event, at), (other, when)) in looked.iter().zip(&stepped) {
         prop_assert!(event == other && (at - when).abs() < 1e-9, "{event:?} at {at}, {other:?} at {when}");
@@ -118,7 +118,7 @@ fn check_ways(settings: &[(&str, f64)], counts: &[i16]) -> Result<usize, TestCas
 #[test]
 fn a_spool_under_the_dither_of_the_thesis_has_events_all_the_time() {
     let counts: Vec<i16> = (0..60).map(|i| 90 * (i % 10)).collect();
-    let events = check_ways(&[], &counts).expect("the same events");
+    let events = check_both_methods(&[], &counts).expect("the same events");
     assert!(events > 15, "{events}");
 }
 
@@ -159,7 +159,7 @@ fn a_spool_that_breaks_away_without_a_surplus_of_force_gets_on() {
         -188, 80, 311, -77, -1166, 201, -165, 543, 149, 131, 333, -171, 352, -176, -140, 47, 1230, 196, -495,
         142, -650, 978, 102,
     ];
-    check_ways(&settings, &[[0; 15].as_slice(), &counts, &[0; 5]].concat()).expect("the same events");
+    check_both_methods(&settings, &[[0; 15].as_slice(), &counts, &[0; 5]].concat()).expect("the same events");
 }
 
 /// A move from one edge beyond the other and back, over before a look at it: it began at an edge, but for rounding.
@@ -181,7 +181,7 @@ fn a_spool_that_begins_at_an_edge_passes_the_other_one_for_a_moment() {
         -145, 0, -339, 281, 0, 0, 0, 0, -423, -1110, -274, -14, 246, -733, -17, 498, 139, 1002, 47, -1048, 5,
         -595, 409, -921, -619, 705, -1434,
     ];
-    check_ways(&settings, &counts).expect("the same events");
+    check_both_methods(&settings, &counts).expect("the same events");
 }
 
 /// Without hysteresis a dither alone breaks the spool away where it exceeds the stiction.
@@ -217,7 +217,7 @@ proptest! {
         underlap in -0.1..0.1,
         counts in prop::collection::vec(-1500_i16..1500, 60),
     ) {
-        check_ways(&settings([
+        check_both_methods(&settings([
             mass, damping, spring, coulomb, coulomb + stiction, amplitude, frequency, hysteresis, underlap,
         ]), &counts)?;
     }

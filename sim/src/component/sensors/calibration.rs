@@ -115,7 +115,7 @@ mod tests {
     const WRONG: &str = "[encoder]\nscale_error_percent = 0.5\noffset_error_mm = 0.2\n[sensors]\npressure_1_gain_error_percent = 2.0\npressure_2_offset_error_pa = -3000.0\nspool_gain_error_percent = -1.0\n";
 
     #[test]
-    fn a_count_that_is_longer_than_the_file_says_is_read_as_a_shorter_way() {
+    fn a_count_that_is_longer_than_the_file_says_is_read_as_a_shorter_travel() {
         let (calibration, of) = (
             Calibration::of_rig(&rig(WRONG)),
             Reading { position: 0.201, pressures: [5e5, 4e5], spool: 1e-3 },

@@ -8,18 +8,18 @@ use super::*;
 fn constant(acceleration: f64, period_s: f64) -> impl FnMut(u32) -> Result<Stop> {
     move |samples| {
         let switch_s = f64::from(samples) * period_s;
-        Ok(Stop { at_s: 2.0 * switch_s, way_m: acceleration * switch_s * switch_s })
+        Ok(Stop { at_s: 2.0 * switch_s, travel_m: acceleration * switch_s * switch_s })
     }
 }
 
-/// The largest error over many ways, against 2 sqrt(D/a).
+/// The largest error over many distances, against 2 sqrt(D/a).
 fn largest_error(period_s: f64) -> f64 {
     let acceleration = 25.0;
     let error = |mm: u32| {
-        let way = 1e-3 * f64::from(mm);
+        let travel = 1e-3 * f64::from(mm);
         let (_, time_s) =
-            switched(way, constant(acceleration, period_s)).expect("a motion").expect("a switch");
-        (time_s - 2.0 * (way / acceleration).sqrt()).abs()
+            switched(travel, constant(acceleration, period_s)).expect("a motion").expect("a switch");
+        (time_s - 2.0 * (travel / acceleration).sqrt()).abs()
     };
     (40..90).map(error).fold(0.0, f64::max)
 }
@@ -44,7 +44,7 @@ fn the_switch_of_a_constant_force_is_halfway_in_time() {
 #[test]
 fn a_way_that_one_sample_exceeds_has_no_bound_and_one_that_is_never_made_is_an_error() {
     assert!(switched(1e-6, constant(25.0, 1e-3)).expect("a motion").is_none());
-    let stands = |_| Ok(Stop { at_s: 0.0, way_m: 0.0 });
+    let stands = |_| Ok(Stop { at_s: 0.0, travel_m: 0.0 });
     assert!(switched(0.06, stands).is_err());
 }
 
@@ -53,14 +53,14 @@ fn drive(name: &str) -> Rig {
         .unwrap_or_else(|problems| panic!("{problems}"))
 }
 
-fn both_ways(rig: &Rig, step_mm: f64) -> [Bound; 2] {
+fn both_directions(rig: &Rig, step_mm: f64) -> [Bound; 2] {
     [true, false].map(|extends| bound(rig, step_mm, extends).expect("it runs").expect("a bound"))
 }
 
 /// A prototype of another program found 96 to 98 ms for this drive.
 #[test]
 fn the_drive_of_the_readme_makes_60_mm_in_95_to_99_ms_at_best() {
-    for bound in both_ways(&drive("32x250"), 60.0) {
+    for bound in both_directions(&drive("32x250"), 60.0) {
         assert!((0.095..0.099).contains(&bound.time_s), "{bound:?}");
         assert!((0.4..0.8).contains(&(bound.switch_s / bound.time_s)), "{bound:?}");
     }
@@ -76,16 +76,16 @@ fn the_step_ends_between_the_switches_at_the_two_samples_around_the_bound() {
     let before = (bound.switch_s / 1e-3).floor() as u32;
     let [short, far] =
         [before, before + 1].map(|samples| stop(&nominal, steps, samples, 1e-3).expect("a stop"));
-    assert!(short.way_m <= 0.06 && 0.06 < far.way_m, "{short:?} {far:?}");
+    assert!(short.travel_m <= 0.06 && 0.06 < far.travel_m, "{short:?} {far:?}");
     assert!((short.at_s..far.at_s).contains(&bound.time_s), "{short:?} {bound:?} {far:?}");
 }
 
 #[test]
 fn a_vertical_drive_is_faster_downwards_and_a_longer_step_takes_longer() {
     let rig = drive("32x250-up");
-    let [up, down] = both_ways(&rig, 60.0);
+    let [up, down] = both_directions(&rig, 60.0);
     assert!(down.time_s < up.time_s, "{down:?} {up:?}");
-    let [longer, _] = both_ways(&rig, 120.0);
+    let [longer, _] = both_directions(&rig, 120.0);
     assert!(longer.time_s > 1.2 * up.time_s, "{longer:?} {up:?}");
 }
 
@@ -98,10 +98,10 @@ fn the_valves_of_the_thesis_make_60_mm_in_the_times_that_their_flow_allows() {
         [("servo-a", [0.146, 0.167]), ("servo-b", [0.138, 0.158]), ("servo-c", [0.086, 0.099])]
     {
         let rig = Rig::builtin(name).expect("a built-in rig").with_settings(&fast).expect("valid");
-        for bound in both_ways(&rig, 60.0) {
+        for bound in both_directions(&rig, 60.0) {
             assert!((range[0]..range[1]).contains(&bound.time_s), "{name}: {bound:?}");
         }
     }
-    let [at_1_3_ms, _] = both_ways(&Rig::builtin("servo-a").expect("a built-in rig"), 60.0);
+    let [at_1_3_ms, _] = both_directions(&Rig::builtin("servo-a").expect("a built-in rig"), 60.0);
     assert!(at_1_3_ms.time_s > 0.155, "{at_1_3_ms:?}");
 }

@@ -15,7 +15,7 @@ const PERIOD_S: f64 = 1e-3;
 const WAY_MM: f64 = 60.0;
 const RESTS: LimitCycle = LimitCycle::None { below_mm: 0.02, for_s: 1.0 };
 
-/// A step from 100 to 160 mm, or to 40 mm, along a share of its way over the time, for 3 s.
+/// A step from 100 to 160 mm, or to 40 mm, along a share of its distance over the time, for 3 s.
 fn step(direction: f64, share: impl Fn(f64) -> f64) -> Arrival {
     let time: Vec<f64> = (0..3000).map(|k| 0.2 + f64::from(k) * PERIOD_S).collect();
     let to = 100.0 + direction * WAY_MM;
@@ -38,7 +38,7 @@ fn the_time_to_a_band_is_that_of_an_exponential_approach() {
     }
 }
 
-/// A pair of poles of damping D goes beyond its end by exp(-pi D/sqrt(1 - D^2)) of the way.
+/// A pair of poles of damping D goes beyond its end by exp(-pi D/sqrt(1 - D^2)) of the step.
 #[test]
 fn the_overshoot_is_that_of_a_pair_of_poles() {
     let (damping, w) = (0.5_f64, 30.0);

@@ -41,7 +41,7 @@ pub fn draws(task: &Task, trial: &Trial, tuned: &Tuned) -> Figure {
         let (word, colour) = if is_met { ("goal met", MET) } else { ("goal not met", MISSED) };
         Curve { colour: Some(colour), ..Curve::new(&format!("{word}: {} draws", these.count()), x, y) }
     };
-    let way = |gone: f64, _: f64| gone;
+    let travel = |gone: f64, _: f64| gone;
     let error = |_: f64, beyond: f64| if beyond.abs() <= near { beyond } else { f64::NAN };
     let mut close = vec![curve(false, &error), curve(true, &error)];
     close.extend([goal.settled_mm, -goal.settled_mm].map(|bound| Curve {
@@ -53,14 +53,14 @@ pub fn draws(task: &Task, trial: &Trial, tuned: &Tuned) -> Figure {
         heading: format!("the steps there and back of {} fresh draws", tuned.fresh.len()),
         across: "time since the step, s".to_owned(),
         panels: vec![
-            Panel::new("way gone, mm", shown(vec![curve(false, &way), curve(true, &way)])),
+            Panel::new("travel, mm", shown(vec![curve(false, &travel), curve(true, &travel)])),
             Panel::new("beyond the setpoint, mm", shown(close)),
         ],
         ..Figure::default()
     }
 }
 
-/// Adds a step to a curve, behind a gap: `of` is given the way that is gone and how far it is beyond the setpoint.
+/// Adds a step to a curve, behind a gap: `of` is given the travel since the step and how far it is beyond the setpoint.
 fn add(transient: &Transient, step: &Move, of: &dyn Fn(f64, f64) -> f64, x: &mut Vec<f64>, y: &mut Vec<f64>) {
     let Some(to) = step.to_mm else { return };
     let side = (to - step.from_mm).signum();

@@ -64,7 +64,7 @@ fn a_variant_changes_the_keys_of_load_and_friction() {
 }
 
 /// Where a trial starts and between which setpoints it moves, mm.
-fn way_of(trial: &Trial, variant: &Variant) -> (f64, Vec<f64>) {
+fn setpoints_of(trial: &Trial, variant: &Variant) -> (f64, Vec<f64>) {
     let (transient, _) = trial.transient(&[], variant).expect("a run");
     let mut setpoints = transient.channels[pneudrive_evaluate::transient::SETPOINT].clone();
     setpoints.dedup();
@@ -83,7 +83,7 @@ fn a_step_begins_anywhere_between_the_ends_goes_either_way_and_stays_inside() {
         (0.25, true, [72.0, 132.0]),
     ] {
         let variant = Variant { place, extends, ..Variant::NOMINAL };
-        let (start, setpoints) = way_of(&trial, &variant);
+        let (start, setpoints) = setpoints_of(&trial, &variant);
         assert!((start - from).abs() < 0.02, "{place} {extends}: {start}");
         let expected = [from, to, from];
         assert_eq!(setpoints.len(), 3);
@@ -94,14 +94,14 @@ fn a_step_begins_anywhere_between_the_ends_goes_either_way_and_stays_inside() {
     }
     let typed = Task { between_mm: [Some(100.0), Some(170.0)], ..task };
     let trial = Trial::of(&typed, &[]).expect("a trial");
-    let [low, high] = trial.way_mm();
+    let [low, high] = trial.range_mm();
     assert!((100.0..100.02).contains(&low) && (169.98..=170.0).contains(&high), "{low} to {high}");
 }
 
 /// A file has a test of its own, which need not be one of timed moves.
 #[test]
 fn moves_of_the_file_do_not_disturb_the_step() {
-    let plain = way_of(&Trial::of(&task("servo-a", &[]), &[]).expect("a trial"), &Variant::NOMINAL);
+    let plain = setpoints_of(&Trial::of(&task("servo-a", &[]), &[]).expect("a trial"), &Variant::NOMINAL);
     for own in [
         &["test.impulse=[0.5, 0.1, 2000]"][..],
         &["test.repeat_every_s=0.9", "test.moves=[[0.0, 8192]]"],
@@ -112,7 +112,7 @@ fn moves_of_the_file_do_not_disturb_the_step() {
     ] {
         let trial =
             Trial::of(&task("servo-a", own), &[]).unwrap_or_else(|error| panic!("{own:?}: {error:#}"));
-        let (start, setpoints) = way_of(&trial, &Variant::NOMINAL);
+        let (start, setpoints) = setpoints_of(&trial, &Variant::NOMINAL);
         if own[0].starts_with("safety") {
             assert!(setpoints.iter().all(|mm| *mm < 190.0), "{setpoints:?}");
         } else {

@@ -39,7 +39,7 @@ impl Sine {
     /// As it fits the stroke of a rig.
     pub(in crate::tuning) fn of(trial: &Trial, frequency_hz: f64) -> Sine {
         let mm_per_count = encoder::mm_per_count(&trial.rig);
-        let [low, high] = trial.way_counts();
+        let [low, high] = trial.range_counts();
         let wanted_mm = LARGEST_MM.min(OF_STROKE * 1e3 * trial.rig.get(&keys::actuator::STROKE_M));
         let period_s = trial.rig.get(&keys::controller::PERIOD_S);
         Sine {

@@ -30,8 +30,8 @@ enum Purpose {
 }
 
 impl Pilot<'_> {
-    /// The way of the drive to the start of a test; None in open loop.
-    pub(super) fn way(&mut self, rig: &Rig) -> Result<Option<Approach>> {
+    /// The approach of the drive to the start of a test; None in open loop.
+    pub(super) fn approach(&mut self, rig: &Rig) -> Result<Option<Approach>> {
         if rig.get(&keys::controller::LOOP) == Loop::Open {
             return Ok(None);
         }
@@ -47,11 +47,11 @@ impl Pilot<'_> {
     pub(super) fn run_from_start(&mut self, rig: Box<Rig>, agreed_mm: Option<f64>) -> Result<()> {
         // A test that would be refused at its start is refused before anything moves.
         self.refuse_unready(&rig)?;
-        match self.way(&rig)? {
-            Some(way) if way.is_to_go(agreed_mm)? => {
-                let approach = slow_move(&rig, way.from_mm, way.to_mm, GO_MM_PER_S)?;
-                self.run(&approach, Purpose::Place)?;
-                self.tell(format!("going to {:.1} mm, where the test starts", way.to_mm));
+        match self.approach(&rig)? {
+            Some(approach) if approach.is_to_go(agreed_mm)? => {
+                let slow = slow_move(&rig, approach.from_mm, approach.to_mm, GO_MM_PER_S)?;
+                self.run(&slow, Purpose::Place)?;
+                self.tell(format!("going to {:.1} mm, where the test starts", approach.to_mm));
                 self.follows_with(Some(rig));
                 Ok(())
             }
@@ -72,8 +72,8 @@ impl Pilot<'_> {
         }
         let Some(rig) = self.next.take() else { return };
         let has_come = || -> Result<()> {
-            let way = Approach::of(&rig, self.place(status)?);
-            way.map_or(Ok(()), |way| way.check_end())
+            let approach = Approach::of(&rig, self.place(status)?);
+            approach.map_or(Ok(()), |approach| approach.check_end())
         };
         let done = match status.mode {
             Mode::Done => has_come().and_then(|()| self.run(&rig, Purpose::Test)),
@@ -174,9 +174,9 @@ impl Pilot<'_> {
         let goes_on = self.jog.is_some_and(|(before, _)| before == direction);
         let status = self.look()?;
         if !goes_on || status.mode == Mode::Done {
-            let way = if direction == Direction::Extend { JOG_REACH_MM } else { -JOG_REACH_MM };
+            let reach_mm = if direction == Direction::Extend { JOG_REACH_MM } else { -JOG_REACH_MM };
             let from_mm = self.place(&status)?;
-            let test = slow_move::jog(rig, &self.client.parameters()?, from_mm, way, mm_per_s)?;
+            let test = slow_move::jog(rig, &self.client.parameters()?, from_mm, reach_mm, mm_per_s)?;
             self.run(&test, Purpose::Jog(direction, at))?;
         }
         self.jog = Some((direction, self.orders.confirmed(direction).unwrap_or(at)));

@@ -69,7 +69,7 @@ fn at_a_constant_speed_friction_comes_to_the_stribeck_curve_of_its_direction() {
     }
 }
 
-/// Under a film as thin as at rest, z = g/s_0 (1 - exp(-s_0 x/g)) on the way x.
+/// Under a film as thin as at rest, z = g/s_0 (1 - exp(-s_0 x/g)) over the travel x.
 #[test]
 fn before_it_slides_the_load_is_on_a_spring_that_yields_as_an_exponential() {
     let (v, stiffness) = (1e-5, 3e5);
@@ -78,16 +78,16 @@ fn before_it_slides_the_load_is_on_a_spring_that_yields_as_an_exponential() {
         "load.bristle_damping_n_s_per_m=0",
         "load.film_growth_s=100",
     ]);
-    let ways = [1e-7, 1e-5, 1e-4, 3e-4, 1e-3];
-    let states = led(model, |_| v, &ways.map(|way| way / v));
-    for (way, [z, film]) in ways.into_iter().zip(states) {
+    let travels = [1e-7, 1e-5, 1e-4, 3e-4, 1e-3];
+    let states = led(model, |_| v, &travels.map(|travel| travel / v));
+    for (travel, [z, film]) in travels.into_iter().zip(states) {
         let [most, least] = model.forces.against(v);
         let hold = least + (most - least) * (1.0 - film) * (-v / model.stribeck[0]).exp();
-        let expected = hold * (1.0 - (-stiffness * way / hold).exp());
+        let expected = hold * (1.0 - (-stiffness * travel / hold).exp());
         let found = model.force(&body(0.0, v, [z, film]));
-        assert!((found / expected - 1.0).abs() < 2e-3, "{way} m: {found} N, not {expected}");
-        if way < 1e-6 {
-            assert!((found / (stiffness * way) - 1.0).abs() < 1e-3, "the stiffness: {}", found / way);
+        assert!((found / expected - 1.0).abs() < 2e-3, "{travel} m: {found} N, not {expected}");
+        if travel < 1e-6 {
+            assert!((found / (stiffness * travel) - 1.0).abs() < 1e-3, "the stiffness: {}", found / travel);
         }
     }
 }
@@ -124,11 +124,11 @@ fn pushed(
 
 #[test]
 fn a_load_breaks_away_at_its_stiction_and_the_nearer_the_slower_the_force_grows() {
-    for (way, stiction) in [(1.0, 70.0), (-1.0, 40.0)] {
+    for (sign, stiction) in [(1.0, 70.0), (-1.0, 40.0)] {
         let breaks_away_at = |rate: f64| {
             // What a creeping load has of film and of Stribeck's fall would let it go earlier.
             let model = friction(&["load.film_growth_s=100", "load.stribeck_exponent=2"]);
-            let (mut pushed, mut t) = (Pushed(model, |t: f64| way * rate * t), 0.0);
+            let (mut pushed, mut t) = (Pushed(model, |t: f64| sign * rate * t), 0.0);
             let mut integrator =
                 Integrator::<4, 0, 0>::new(Method::DormandPrince, 1e-10, [0.1, 1.0, 1e-3, 1.0], [0.0; 4]);
             while integrator.state(t)[1].abs() < 0.02 {
@@ -146,8 +146,8 @@ fn a_load_breaks_away_at_its_stiction_and_the_nearer_the_slower_the_force_grows(
 fn a_load_held_below_its_stiction_stays_where_its_bristles_have_yielded_to() {
     let slowly = |t: f64| 35.0 * (t / 10.0).min(1.0);
     let ([x, v, ..], _) = pushed(friction(&[]), slowly, 1e-10, 20.0).expect("a solution");
-    let way = -70.0 / 1e5 * (1.0_f64 - 35.0 / 70.0).ln();
-    assert!(v.abs() < 1e-9 && (x / way - 1.0).abs() < 0.02, "{x} m, not {way}; {v} m/s");
+    let travel = -70.0 / 1e5 * (1.0_f64 - 35.0 / 70.0).ln();
+    assert!(v.abs() < 1e-9 && (x / travel - 1.0).abs() < 0.02, "{x} m, not {travel}; {v} m/s");
 }
 
 /// f = 1 - exp(-t/t_g) from rest at more than v_b, then exp(-t/t_d) once the load stands.

@@ -5,7 +5,7 @@
 //! ```
 //!
 //! The room g to a limit of position or velocity is positive up to the first root of the parabola. The search goes to
-//! that root, and on from there. It approaches the limit from before, with the third power of the remaining way, and
+//! that root, and on from there. It approaches the limit from before, with the third power of the remaining distance, and
 //! skips none. Two consecutive derivatives are bounded from t on:
 //!
 //! ```text
