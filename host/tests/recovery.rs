@@ -162,7 +162,7 @@ fn what_no_sample_depends_on_is_neither_fitted_nor_told_an_interval_of() {
     let recorded = recorded();
     let found = recorded.fit(usual(&recorded.model()), &EXTENSIONS);
     for key in ["load.coulomb_retract_n", "load.static_retract_n"] {
-        let unseen = found.unseen.iter().find(|unseen| unseen.parameter.key.path == key).expect("not seen");
+        let unseen = found.unidentifiable.iter().find(|one| one.parameter.key.path == key).expect("not seen");
         assert!(unseen.confused_with.is_empty() && unseen.over_prior == 1.0, "{unseen:?}");
         assert_eq!(found.rig.number_at(key).expect("a number"), unseen.parameter.start, "it keeps its value");
     }
@@ -198,7 +198,7 @@ fn forces_that_only_act_together_carry_one_another_in_their_intervals() {
         "{stiction:?}"
     );
     // What the two make together is known to a fraction of a newton.
-    let given = stiction.given.as_ref().expect("known with another");
+    let given = stiction.conditional.as_ref().expect("known with another");
     assert!(given.standard_error < 0.2 && given.known.len() == 1, "{given:?}");
     let force = found.rig.get(&keys::load::CONSTANT_FORCE_N);
     let breakaway = truth.get(&keys::friction::STATIC_EXTEND_N) + weight;

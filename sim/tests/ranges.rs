@@ -73,7 +73,7 @@ fn ends(key: &Key) -> Vec<String> {
 #[derive(Debug, PartialEq)]
 enum Outcome {
     Refused,
-    Ran,
+    Completed,
     /// The error's words.
     Ended(String),
 }
@@ -97,7 +97,7 @@ fn outcome(name: &str, settings: &[String]) -> Outcome {
     match run(&rig, Accuracy { tolerance: 1e-8, ..Accuracy::default() }) {
         Ok(run) => {
             assert!(has_physical_numbers(&run), "{name} {settings:?}");
-            Outcome::Ran
+            Outcome::Completed
         }
         Err(error) => Outcome::Ended(error.to_string()),
     }
@@ -141,7 +141,10 @@ fn a_row_has_flows_where_they_are_hard_to_find() {
         "actuator.leakage_coefficient=1e-6",
     ];
     let [closed, ..] = tests("servo-a");
-    assert_eq!(outcome("servo-a", &[closed, extremes.map(str::to_owned).to_vec()].concat()), Outcome::Ran);
+    assert_eq!(
+        outcome("servo-a", &[closed, extremes.map(str::to_owned).to_vec()].concat()),
+        Outcome::Completed
+    );
 }
 
 /// Settings of several keys at an end of their ranges.
@@ -241,5 +244,5 @@ fn flows_behind_tubes_that_let_next_to_nothing_pass_are_found() {
     let [_, open, _] = tests("lut-solenoid");
     let tubes = ["tubing.reference_flow_kg_s=1e-5", "tubing.drop_slope=0.99", "valve.upstream_mach=true"];
     let outcome = outcome("lut-solenoid", &[open, tubes.map(str::to_owned).to_vec()].concat());
-    assert!(matches!(&outcome, Outcome::Ran), "{outcome:?}");
+    assert!(matches!(&outcome, Outcome::Completed), "{outcome:?}");
 }

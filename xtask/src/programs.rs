@@ -82,7 +82,7 @@ struct Built {
 }
 
 /// The outcome of a program.
-struct Ran {
+struct Execution {
     output: Output,
     took: Duration,
 }
@@ -160,13 +160,13 @@ impl Program {
         Ok(Some((Program { name, folder, executable }, kind)))
     }
 
-    fn run(&self, threads: usize) -> Result<Ran> {
+    fn run(&self, threads: usize) -> Result<Execution> {
         let threads = if is_of(&WAITING, self) { 2 * threads } else { threads };
         let mut command = Command::new(&self.executable);
         command.current_dir(&self.folder).env("RUST_TEST_THREADS", threads.to_string());
         let begin = Instant::now();
         let output = command.output().with_context(|| format!("{} can't be started", self.name))?;
-        Ok(Ran { output, took: begin.elapsed() })
+        Ok(Execution { output, took: begin.elapsed() })
     }
 }
 
@@ -188,8 +188,8 @@ fn run_on(tally: &mut Tally, programs: Vec<Program>, at_once: usize, threads: us
 }
 
 /// Counts what a program printed, and shows it if a test failed.
-fn follow(tally: &mut Tally, name: &str, ran: Result<Ran>) {
-    let Ran { output, took } = match ran {
+fn follow(tally: &mut Tally, name: &str, ran: Result<Execution>) {
+    let Execution { output, took } = match ran {
         Ok(ran) => ran,
         Err(error) => return tally.fail(1, format!("{error:#}")),
     };

@@ -7,10 +7,10 @@ use crate::own_drive::rig_file;
 use crate::question::{Answers, question_of};
 
 /// The answers of a drive, each by the name of its question.
-type Given = &'static [(&'static str, &'static str)];
+type NamedAnswers = &'static [(&'static str, &'static str)];
 
 /// Each drive by its name: bore and stroke in mm, `up` where the rod lifts the load.
-pub static SIX_DRIVES: [(&str, Given); 6] = [
+pub static SIX_DRIVES: [(&str, NamedAnswers); 6] = [
     (
         "20x150",
         &[

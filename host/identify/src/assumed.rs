@@ -15,7 +15,7 @@ use super::model::FittedModel;
 use super::parameter::Parameter;
 use super::posterior::{NORMAL_95, Posterior, RESTS, inverse};
 use super::spectrum::Transform;
-use super::{Estimate, Given, Share, Unseen};
+use super::{ConditionalEstimate, Estimate, Share, Unidentifiable};
 
 /// The key, and its standard deviation in its unit.
 const ASSUMED: [(&str, f64); 1] = [
@@ -126,7 +126,7 @@ impl Considered {
                 .on_the_level(parameter, [u[i] - half_width, u[i] + half_width].map(|u| parameter.value(u))),
             assumed,
             rests_on: if rests { self.shares(model, i) } else { Vec::new() },
-            given: if rests && misfit == 0.0 { self.given(model, u, i) } else { None },
+            conditional: if rests && misfit == 0.0 { self.conditional(model, u, i) } else { None },
             by_misfit: moved * parameter.slope(u[i]),
             parameter: parameter.clone(),
         }
@@ -140,7 +140,7 @@ impl Considered {
     }
 
     /// What parameter `i` is once others are known.
-    fn given(&self, model: &FittedModel, u: &[f64], i: usize) -> Option<Given> {
+    fn conditional(&self, model: &FittedModel, u: &[f64], i: usize) -> Option<ConditionalEstimate> {
         let known = self.of.known(i, self.named(model))?;
         let (parameter, half_width) = (&model.parameters[i], NORMAL_95 * known.standard_error);
         let slope = parameter.slope(u[i]);
@@ -149,7 +149,7 @@ impl Considered {
             let at = if j < model.parameters.len() { u[j] } else { 0.0 };
             (other.key.path, by * slope / other.slope(at))
         });
-        Some(Given {
+        Some(ConditionalEstimate {
             known: by.collect(),
             standard_error: known.standard_error * slope,
             interval: [parameter.value(u[i] - half_width), parameter.value(u[i] + half_width)],
@@ -157,10 +157,15 @@ impl Considered {
     }
 
     /// What is to be said of a parameter that is not seen.
-    pub fn unseen(&self, model: &FittedModel, u: &[f64], i: usize) -> Unseen {
+    pub fn unidentifiable(&self, model: &FittedModel, u: &[f64], i: usize) -> Unidentifiable {
         let parameter = model.parameters[i].clone();
         let mut confused_with = self.shares(model, i);
         confused_with.retain(|share| share.path != parameter.key.path);
-        Unseen { value: parameter.value(u[i]), over_prior: self.of.over_prior(i), confused_with, parameter }
+        Unidentifiable {
+            value: parameter.value(u[i]),
+            over_prior: self.of.over_prior(i),
+            confused_with,
+            parameter,
+        }
     }
 }

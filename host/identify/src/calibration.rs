@@ -144,7 +144,7 @@ impl Calibrated {
     /// Whether the data tell more of it than its tolerance does.
     #[must_use]
     pub fn is_seen(&self) -> bool {
-        self.standard_error < super::UNSEEN * self.tolerance
+        self.standard_error < super::UNIDENTIFIABLE * self.tolerance
     }
 }
 

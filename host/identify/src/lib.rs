@@ -96,7 +96,7 @@ use spectrum::Spectrum;
 use pneudrive_evaluate::cancel::CancelToken;
 
 /// A parameter whose standard error is a larger part of that of its prior cannot be seen in the data.
-pub(crate) const UNSEEN: f64 = 0.5;
+pub(crate) const UNIDENTIFIABLE: f64 = 0.5;
 
 /// No sample depends on a parameter if all of them together change by less than so many standard deviations over its
 /// prior.
@@ -131,7 +131,7 @@ pub struct Estimate {
     /// The priors that make it, the largest part first, where the priors make the larger part.
     pub rests_on: Vec<Share>,
     /// What would make it better known, where it rests on priors.
-    pub given: Option<Given>,
+    pub conditional: Option<ConditionalEstimate>,
 }
 
 /// The part of a prior in a squared standard error.
@@ -145,7 +145,7 @@ pub struct Share {
 
 /// What a parameter is once others are known exactly.
 #[derive(Clone, Debug)]
-pub struct Given {
+pub struct ConditionalEstimate {
     /// The others, and by how much the parameter changes with them, in the units of both keys.
     pub known: Vec<(&'static str, f64)>,
     /// Standard error that is left, in the unit of the key.
@@ -156,7 +156,7 @@ pub struct Given {
 
 /// A parameter that the data do not show.
 #[derive(Clone, Debug)]
-pub struct Unseen {
+pub struct Unidentifiable {
     /// The parameter, with the file's value.
     pub parameter: Parameter,
     /// The value of the fitted rig: the file's, shifted by the little that the data show.
@@ -197,7 +197,7 @@ pub struct Identification {
     /// The parameters that the data show, in the requested order.
     pub estimates: Vec<Estimate>,
     /// The parameters that the data do not show.
-    pub unseen: Vec<Unseen>,
+    pub unidentifiable: Vec<Unidentifiable>,
     /// What is assumed of keys that are not fitted.
     pub assumed: Vec<Parameter>,
     /// The incline that would explain how friction differs from the file's.
@@ -295,20 +295,20 @@ impl FittedModel<'_> {
     }
 
     /// Removes the parameters that no sample depends on.
-    fn leave_out_what_nothing_depends_on(&mut self, at: &DVector<f64>) -> Vec<Unseen> {
+    fn leave_out_what_nothing_depends_on(&mut self, at: &DVector<f64>) -> Vec<Unidentifiable> {
         let columns = self.columns(&vec![0.0; self.unknowns()], at, 0..self.parameters.len());
         let shows = |i: usize| columns[i].as_ref().is_none_or(|c| self.prior(i) * c.rows.norm() > NOTHING);
         let shown: Vec<bool> = (0..self.parameters.len()).map(shows).collect();
         let parameters = std::mem::take(&mut self.parameters).into_iter().zip(shown);
         let (seen, silent): (Vec<_>, Vec<_>) = parameters.partition(|(_, shown)| *shown);
         self.parameters = seen.into_iter().map(|(parameter, _)| parameter).collect();
-        let unseen = silent.into_iter().map(|(parameter, _)| Unseen {
+        let unidentifiable = silent.into_iter().map(|(parameter, _)| Unidentifiable {
             value: parameter.start,
             over_prior: 1.0,
             confused_with: Vec::new(),
             parameter,
         });
-        unseen.collect()
+        unidentifiable.collect()
     }
 }
 
@@ -316,24 +316,24 @@ fn finished(
     model: &FittedModel,
     found: &Found,
     posterior: &assumed::Considered,
-    silent: Vec<Unseen>,
+    silent: Vec<Unidentifiable>,
     (before, traces): ([Option<f64>; CHANNELS.len()], &Traces),
 ) -> Identification {
     let u = &found.minimum.u;
     let of_the_rig = (0..model.parameters.len()).filter(|&i| !model.parameters[i].is_calibration);
-    let (unseen, seen): (Vec<usize>, Vec<usize>) =
-        of_the_rig.partition(|&i| posterior.of.over_prior(i) > UNSEEN);
+    let (unidentifiable, seen): (Vec<usize>, Vec<usize>) =
+        of_the_rig.partition(|&i| posterior.of.over_prior(i) > UNIDENTIFIABLE);
     let calibrated = |i: usize| Calibrated::of(&model.parameters[i], u[i], posterior.of.standard_error(i));
     let after = model.channel_fits(&found.minimum.residuals);
     let channels: [Option<ChannelFit>; CHANNELS.len()] =
         std::array::from_fn(|c| Some(ChannelFit { before: before[c]?, ..after[c]? }));
     let grown = channels.iter().flatten().any(ChannelFit::has_grown);
     let correlation = posterior.of.correlation(model.parameters.len());
-    let unseen = unseen.into_iter().map(|i| posterior.unseen(model, u, i));
+    let unidentifiable = unidentifiable.into_iter().map(|i| posterior.unidentifiable(model, u, i));
     let misfit = found.spectrum.misfit().max(traces.misfit());
     let fits = found.minimum.converged && found.spectrum.is_noise() && !traces.are_clear() && !grown;
     Identification {
-        unseen: unseen.chain(silent).collect(),
+        unidentifiable: unidentifiable.chain(silent).collect(),
         correlation: DMatrix::from_fn(seen.len(), seen.len(), |i, j| correlation[(seen[i], seen[j])]),
         estimates: seen.into_iter().map(|i| posterior.estimate(model, u, i, misfit)).collect(),
         assumed: posterior.assumed.clone(),

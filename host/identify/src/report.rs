@@ -16,7 +16,7 @@ use super::causes::Explanation;
 use super::parameter::Parameter;
 use super::posterior::NORMAL_95;
 use super::recording::{CHANNELS, Channel, Recording, STARTS, reading};
-use super::{Estimate, Given, Identification, Share, UNSEEN};
+use super::{ConditionalEstimate, Estimate, Identification, Share, UNIDENTIFIABLE};
 use calibrated::calibration;
 use cells::{digits, table};
 use judged::{Intervals, cut, not_testable, rounded, suspicious};
@@ -42,7 +42,7 @@ pub fn tables(found: &Identification) -> Vec<Table> {
         calibration(found),
         channels(found),
         causes(found),
-        unseen(found),
+        unidentifiable(found),
         assumed(found),
     ];
     let filled = tables.into_iter().filter(|table| !table.rows.is_empty());
@@ -71,7 +71,7 @@ pub fn parameters(found: &Identification) -> Table {
 #[must_use]
 pub fn dependent(found: &Identification) -> Table {
     let row = |estimate: &Estimate| {
-        let Given { known, interval, .. } = estimate.given.as_ref()?;
+        let ConditionalEstimate { known, interval, .. } = estimate.conditional.as_ref()?;
         let rig = |path: &str| digits(found.rig.number_at(path).unwrap_or(f64::NAN));
         let exact: Vec<String> = known.iter().map(|(path, _)| format!("{path} = {}", rig(path))).collect();
         let by: Vec<String> = known.iter().map(|(path, by)| format!("{by:+.4} per {}", unit(path))).collect();
@@ -87,11 +87,11 @@ pub fn dependent(found: &Identification) -> Table {
 pub fn assumed(found: &Identification) -> Table {
     let needed = |parameter: &&Parameter| {
         let path = parameter.key.path;
-        let unseen = found.unseen.iter().any(|unseen| unseen.parameter.key.path == path);
-        unseen || found.estimates.iter().flat_map(|e| &e.rests_on).any(|share| share.path == path)
+        let is_left_out = found.unidentifiable.iter().any(|one| one.parameter.key.path == path);
+        is_left_out || found.estimates.iter().flat_map(|e| &e.rests_on).any(|share| share.path == path)
     };
     let fitted = found.estimates.iter().map(|e| &e.parameter);
-    let all = fitted.chain(found.unseen.iter().map(|u| &u.parameter)).chain(&found.assumed);
+    let all = fitted.chain(found.unidentifiable.iter().map(|u| &u.parameter)).chain(&found.assumed);
     let row = |parameter: &Parameter| {
         vec![parameter.key.path.to_owned(), digits(parameter.start), parameter.assumed_within()]
     };
@@ -162,19 +162,14 @@ fn verdict(cause: &Explanation) -> &'static str {
 
 /// The parameters that cannot be seen, and why.
 #[must_use]
-pub fn unseen(found: &Identification) -> Table {
-    let rows = found.unseen.iter().map(|unseen| {
-        let others = match unseen.confused_with.as_slice() {
-            [] if unseen.over_prior == 1.0 => "no sample depends on it".to_owned(),
+pub fn unidentifiable(found: &Identification) -> Table {
+    let rows = found.unidentifiable.iter().map(|one| {
+        let others = match one.confused_with.as_slice() {
+            [] if one.over_prior == 1.0 => "no sample depends on it".to_owned(),
             [] => "nothing: the samples hardly depend on it".to_owned(),
             others => paths(others),
         };
-        vec![
-            unseen.parameter.key.path.to_owned(),
-            digits(unseen.parameter.start),
-            digits(unseen.value),
-            others,
-        ]
+        vec![one.parameter.key.path.to_owned(), digits(one.parameter.start), digits(one.value), others]
     });
     let columns = ["cannot be seen in these data", "file", "taken", "confused with"];
     table("unseen", &columns, rows.collect())
@@ -221,10 +216,10 @@ pub fn notes(found: &Identification) -> Vec<String> {
     if found.estimates.iter().any(|estimate| !estimate.rests_on.is_empty()) {
         notes.push("Some intervals rest less on the data than on assumptions about other values: their table shows what each interval would be if those values were exact. Measure those, write them to the rig file, and leave them out of the fit.".to_owned());
     }
-    if !found.unseen.is_empty() {
+    if !found.unidentifiable.is_empty() {
         notes.push(format!(
             "A parameter that cannot be seen is as uncertain as the file's value, or nearly so: its standard error is above {:.0} % of the assumed one.",
-            100.0 * UNSEEN
+            100.0 * UNIDENTIFIABLE
         ));
     }
     notes
@@ -341,8 +336,8 @@ pub fn fitted(text: &str, settings: &[String], found: &Identification) -> Result
             format!("identified, {}: {}{rests}", Intervals::of(found).heading(), range(estimate.interval));
         set(&estimate.parameter, estimate.value, comment);
     }
-    for unseen in found.unseen.iter().filter(|unseen| unseen.value != unseen.parameter.start) {
-        set(&unseen.parameter, unseen.value, "not seen in the data".to_owned());
+    for one in found.unidentifiable.iter().filter(|one| one.value != one.parameter.start) {
+        set(&one.parameter, one.value, "not seen in the data".to_owned());
     }
     for error in found.calibration.iter().filter(|error| error.value != error.parameter.start) {
         let tolerance = error.parameter.assumed_within();

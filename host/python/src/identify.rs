@@ -153,7 +153,7 @@ impl Identification {
     /// Keys that the data do not show.
     #[getter]
     fn unseen(&self) -> Vec<&'static str> {
-        self.found.unseen.iter().map(|unseen| unseen.parameter.key.path).collect()
+        self.found.unidentifiable.iter().map(|one| one.parameter.key.path).collect()
     }
 
     /// The rig with the estimates.

@@ -347,7 +347,7 @@ impl Run {
             run_folder::refuse_other_rig(&folder, &self.rig.rig, existing)?;
             let page = self.page();
             let pieces =
-                |mark: &str, run: &Numbered| page.of_run(run).text_in(&folder, mark, Library::Beside);
+                |mark: &str, run: &Numbered| page.of_run(run).text_in(&folder, mark, Library::Linked);
             let moves = to_json(self.measured());
             run_folder::write(&folder, &self.rig.rig, &self.judged, moves, Some(&pieces), existing)
         })

@@ -143,7 +143,7 @@ impl SweepResult {
             refuse_to_replace(&csv, HEADER_END)?;
             refuse_to_replace(&page, GENERATOR)?;
             put(&csv, &self.to_csv())?;
-            report::page(sweep, rows).write(&page, Library::Beside)
+            report::page(sweep, rows).write(&page, Library::Linked)
         })
     }
 

@@ -244,7 +244,7 @@ impl Tuned {
             refuse_to_replace(&page, GENERATOR)?;
             refuse_to_replace(&rig, report::MARK)?;
             let behaviour = Behaviour::of(&self.task, &self.tuned, |_| {}, CancelToken::NEVER)?;
-            report::write_page(&self.task, &self.tuned, &behaviour, &page, Library::Beside)?;
+            report::write_page(&self.task, &self.tuned, &behaviour, &page, Library::Linked)?;
             put(&rig, &report::rig_file(&self.task, &self.tuned)?)
         })
     }

@@ -245,7 +245,7 @@ mod tests {
     }
 
     fn html(page: &Page) -> String {
-        page.text("", None, Library::Beside).expect("a page")
+        page.text("", None, Library::Linked).expect("a page")
     }
 
     #[test]
@@ -258,7 +258,7 @@ mod tests {
 
     #[test]
     fn a_single_file_asks_for_nothing_and_is_no_longer_than_two_megabytes() {
-        let html = page().text("", None, Library::Within).expect("a page");
+        let html = page().text("", None, Library::Embedded).expect("a page");
         assert!(!html.contains("src=\"") && html.contains("id=\"library\""));
         assert!(html.len() < 2_000_000, "{}", html.len());
     }
@@ -267,7 +267,7 @@ mod tests {
     fn the_library_is_put_beside_a_page_once_and_replaces_no_file_of_others() {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("a.html");
-        page().write(&path, Library::Beside).expect("written");
+        page().write(&path, Library::Linked).expect("written");
         let names = |folder: &Path| {
             let entries = std::fs::read_dir(folder).expect("a folder");
             let names =
@@ -277,13 +277,13 @@ mod tests {
         let [library] = &names(folder.path())[..] else { panic!("one library") };
         let library = folder.path().join(library);
         let written = std::fs::metadata(&library).expect("there").modified().expect("a time");
-        page().write(&folder.path().join("b.html"), Library::Beside).expect("written");
+        page().write(&folder.path().join("b.html"), Library::Linked).expect("written");
         assert_eq!(std::fs::metadata(&library).expect("there").modified().expect("a time"), written);
         std::fs::write(&library, "theirs").expect("written");
-        let error = page().write(&path, Library::Beside).expect_err("theirs").to_string();
+        let error = page().write(&path, Library::Linked).expect_err("theirs").to_string();
         assert!(error.contains("plotly-") && error.contains("not written by this program"), "{error}");
         let alone = tempfile::tempdir().expect("a folder");
-        page().write(&alone.path().join("a.html"), Library::Within).expect("written");
+        page().write(&alone.path().join("a.html"), Library::Embedded).expect("written");
         assert!(names(alone.path()).is_empty());
     }
 
@@ -322,7 +322,7 @@ mod tests {
     fn a_lead_stands_between_the_first_note_and_all_else() {
         let lead = Figure { heading: "the lead".to_owned(), ..page().figures[0].clone() };
         let led = Page { notes: vec!["first".to_owned(), "second".to_owned()], ..page() };
-        let html = led.text("", Some(&lead), Library::Beside).expect("a page");
+        let html = led.text("", Some(&lead), Library::Linked).expect("a page");
         let places = ["<p>first", "<h2>the lead", "<p>second", "<h2>moves"].map(|part| html.find(part));
         assert!(places.is_sorted() && places.iter().all(Option::is_some), "{places:?}");
     }

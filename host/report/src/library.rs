@@ -17,9 +17,9 @@ use pneudrive_records::whole_file::put;
 pub enum Library {
     /// In a file beside the page, 4.7 MB that all pages of a folder share.
     #[default]
-    Beside,
+    Linked,
     /// In the page, compressed: one file to be sent to somebody, 1.9 MB and its data.
-    Within,
+    Embedded,
 }
 
 /// The file of the library.
@@ -34,7 +34,7 @@ impl Library {
     /// # Errors
     /// When a file of its name is another's, or cannot be written.
     pub fn put_beside(self, folder: &Path) -> Result<()> {
-        if self == Library::Within {
+        if self == Library::Embedded {
             return Ok(());
         }
         let script = unpacked(library()?)?;
@@ -51,8 +51,8 @@ impl Library {
     pub(super) fn element(self) -> Result<(String, String)> {
         let library = library()?;
         let element = match self {
-            Library::Beside => format!("<script src=\"{NAME}\"></script>\n"),
-            Library::Within => element("library", library),
+            Library::Linked => format!("<script src=\"{NAME}\"></script>\n"),
+            Library::Embedded => element("library", library),
         };
         let without =
             format!("The graphs need {NAME} beside this page; --single-file puts it into the page.");

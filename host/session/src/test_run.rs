@@ -65,7 +65,7 @@ pub struct Prepared<'a> {
 }
 
 /// The outcome of a run.
-pub struct Ran {
+pub struct RunOutcome {
     /// The mode in which it ended; an error if it did not begin, or did not end as requested.
     pub ended: Result<Mode>,
     /// The file that it was streamed to, if that is complete.
@@ -83,7 +83,7 @@ impl Prepared<'_> {
         ends: &AtomicBool,
         interrupted: &mut Interrupted<'_>,
         progressed: impl FnMut(&Status),
-    ) -> Ran {
+    ) -> RunOutcome {
         let mut stream = self.stream;
         let started = start(client, self.rig, interrupted);
         let ended = started.and_then(|()| match &mut stream {
@@ -93,7 +93,7 @@ impl Prepared<'_> {
             }
         });
         let (streamed, stream_ended) = stream.map_or((None, Ok(())), |stream| stream.end(client));
-        Ran { ended: ended.map(|status| status.mode), streamed, stream_ended }
+        RunOutcome { ended: ended.map(|status| status.mode), streamed, stream_ended }
     }
 }
 

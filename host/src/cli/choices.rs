@@ -75,7 +75,7 @@ impl Pages {
     /// What the library takes.
     #[must_use]
     pub fn library(self) -> Library {
-        if self.single_file { Library::Within } else { Library::Beside }
+        if self.single_file { Library::Embedded } else { Library::Linked }
     }
 }
 

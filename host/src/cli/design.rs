@@ -14,7 +14,7 @@ pub struct NewRig {
     pub file: PathBuf,
     /// Questions that are answered here are not asked
     #[command(flatten)]
-    pub answers: Given,
+    pub answers: AnswerOptions,
     /// Ask nothing; values that are not given become typical or unknown, and are marked as such
     #[arg(long)]
     pub no_questions: bool,
@@ -32,13 +32,13 @@ pub struct NewRig {
 
 /// Answers from the command line.
 #[derive(Clone, Debug, Default)]
-pub struct Given(pub Answers);
+pub struct AnswerOptions(pub Answers);
 
-impl FromArgMatches for Given {
+impl FromArgMatches for AnswerOptions {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, Error> {
-        let mut given = Given::default();
-        given.update_from_arg_matches(matches)?;
-        Ok(given)
+        let mut options = AnswerOptions::default();
+        options.update_from_arg_matches(matches)?;
+        Ok(options)
     }
 
     fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), Error> {
@@ -55,7 +55,7 @@ impl FromArgMatches for Given {
     }
 }
 
-impl Args for Given {
+impl Args for AnswerOptions {
     fn augment_args(command: Command) -> Command {
         QUESTIONS.iter().fold(command, |command, question| {
             let without = match question.without {

@@ -96,10 +96,10 @@ pub(super) fn thesis(shown: &[Shown]) -> Value {
     let entries = shown.iter().flat_map(|one| {
         one.rows().map(|(entry, reading)| {
             let (value, range) = match reading.found {
-                Shows::Figure { value, range, .. } | Shows::Beside { value, range, .. } => {
+                Shows::Figure { value, range, .. } | Shows::SizeOnly { value, range, .. } => {
                     (Some(value), Some(range))
                 }
-                Shows::Given { value, .. } => (Some(value), None),
+                Shows::TakenOver { value, .. } => (Some(value), None),
                 Shows::Shows { .. } | Shows::Nothing(_) => (None, None),
             };
             let (printed, unit) = match entry.printed {

@@ -11,7 +11,7 @@ use pneudrive_records::parameter_names::is_parameter;
 use pneudrive_records::rig_info::RigParameters;
 use pneudrive_records::stream_file::MAX_SAMPLES;
 use pneudrive_session::streaming::{Streamed, ToFile};
-use pneudrive_session::test_run::{Ran, TestRun};
+use pneudrive_session::test_run::{RunOutcome, TestRun};
 use pneudrive_sim::Rig;
 use pneudrive_sim::component::controller;
 use pneudrive_sim::keys;
@@ -158,7 +158,7 @@ pub(super) fn run_test(client: &mut Client, test: TestRun<'_>, to: Option<&ToFil
         interrupts.look();
     };
     let mut goes_on = || if interrupts.look() { Err(interrupts.not_begun()) } else { Ok(()) };
-    let Ran { ended, streamed, stream_ended } =
+    let RunOutcome { ended, streamed, stream_ended } =
         prepared.run(client, interrupts.seen(), &mut goes_on, progressed);
     progress.into_iter().for_each(Progress::done);
     streamed.iter().for_each(report_stream);

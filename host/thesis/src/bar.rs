@@ -12,8 +12,8 @@ const MARGIN: f64 = 8.0;
 pub(super) fn bar(entry: &Entry, reading: &Reading) -> String {
     let Printed::Number { text, within, .. } = entry.printed else { return String::new() };
     let (value, [low, high]) = match reading.found {
-        Found::Figure { value, range, .. } | Found::Beside { value, range, .. } => (value, range),
-        Found::Given { value, .. } => (value, [value; 2]),
+        Found::Figure { value, range, .. } | Found::SizeOnly { value, range, .. } => (value, range),
+        Found::TakenOver { value, .. } => (value, [value; 2]),
         _ => return String::new(),
     };
     let printed = value_of(text);
@@ -24,7 +24,7 @@ pub(super) fn bar(entry: &Entry, reading: &Reading) -> String {
         Agreement::Agrees => "agrees",
         Agreement::InPart => "part",
         Agreement::Differs => "differs",
-        Agreement::Open | Agreement::Given => "open",
+        Agreement::Open | Agreement::TakenOver => "open",
     };
     let shade = if class == "open" {
         String::new()

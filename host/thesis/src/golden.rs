@@ -68,10 +68,10 @@ impl Figures {
     /// Off by half of its last digit that is shown, a figure has changed.
     fn of(reading: &Reading) -> Option<Figures> {
         let (value, [low, high], decimals) = match reading.found {
-            Found::Figure { value, range, decimals } | Found::Beside { value, range, decimals } => {
+            Found::Figure { value, range, decimals } | Found::SizeOnly { value, range, decimals } => {
                 (value, range, decimals)
             }
-            Found::Given { value, decimals } => (value, [value; 2], decimals),
+            Found::TakenOver { value, decimals } => (value, [value; 2], decimals),
             Found::Shows { .. } | Found::Nothing(_) => return None,
         };
         Some(Figures { value, low, high, tolerance: 0.5 * 10_f64.powi(-(decimals as i32)) })

@@ -35,7 +35,7 @@ pub enum Found {
         decimals: usize,
     },
     /// The same, where the thesis compared with data that are lost: it only shows the size of the figure.
-    Beside {
+    SizeOnly {
         /// The figure of the rig as it is.
         value: f64,
         /// Smallest and largest figure.
@@ -44,7 +44,7 @@ pub enum Found {
         decimals: usize,
     },
     /// The rig file has the number from the thesis, and the model gives it back.
-    Given {
+    TakenOver {
         /// The model's value.
         value: f64,
         /// Digits after the point.
@@ -73,12 +73,12 @@ pub enum Agreement {
     /// Nothing decides it.
     Open,
     /// The rig has it from the thesis, so it cannot differ.
-    Given,
+    TakenOver,
 }
 
 /// All of them, in the order of the page's summary.
 pub const AGREEMENTS: [Agreement; 5] =
-    [Agreement::Agrees, Agreement::InPart, Agreement::Differs, Agreement::Open, Agreement::Given];
+    [Agreement::Agrees, Agreement::InPart, Agreement::Differs, Agreement::Open, Agreement::TakenOver];
 
 impl Agreement {
     /// Its text on the page and in the golden file.
@@ -89,7 +89,7 @@ impl Agreement {
             Agreement::InPart => "in part",
             Agreement::Differs => "differs",
             Agreement::Open => "cannot be decided",
-            Agreement::Given => "taken over",
+            Agreement::TakenOver => "taken over",
         }
     }
 
@@ -100,7 +100,7 @@ impl Agreement {
             Agreement::Agrees => "agree",
             Agreement::InPart => "agree in part",
             Agreement::Differs => "differ",
-            Agreement::Open | Agreement::Given => self.word(),
+            Agreement::Open | Agreement::TakenOver => self.word(),
         }
     }
 
@@ -170,11 +170,11 @@ impl Reading {
     pub fn agreement(&self, entry: &Entry) -> Agreement {
         match (&self.found, entry.printed) {
             (Found::Shows { agreement, .. }, _) => *agreement,
-            (Found::Given { .. }, _) => Agreement::Given,
+            (Found::TakenOver { .. }, _) => Agreement::TakenOver,
             (Found::Figure { range, .. }, Printed::Number { text, within, .. }) => {
                 of_range(*range, value_of(text), within)
             }
-            (Found::Beside { .. } | Found::Nothing(_) | Found::Figure { .. }, _) => Agreement::Open,
+            (Found::SizeOnly { .. } | Found::Nothing(_) | Found::Figure { .. }, _) => Agreement::Open,
         }
     }
 }
@@ -202,7 +202,7 @@ impl Found {
         let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
         match self {
             Found::Figure { value, range: [low, high], decimals }
-            | Found::Beside { value, range: [low, high], decimals } => {
+            | Found::SizeOnly { value, range: [low, high], decimals } => {
                 let [value, low, high] = [value, low, high].map(|value| rounded(*value, *decimals));
                 if low == high {
                     format!("{value}{unit}")
@@ -210,7 +210,7 @@ impl Found {
                     format!("{value} ({low} to {high}){unit}")
                 }
             }
-            Found::Given { value, decimals } => format!("{}{unit}", rounded(*value, *decimals)),
+            Found::TakenOver { value, decimals } => format!("{}{unit}", rounded(*value, *decimals)),
             Found::Shows { text, .. } => text.clone(),
             Found::Nothing(why) => (*why).to_owned(),
         }
@@ -249,10 +249,10 @@ mod tests {
     fn a_number_that_the_rig_was_given_neither_agrees_nor_differs() {
         let given = Reading {
             key: "loop".to_owned(),
-            found: Found::Given { value: 0.3, decimals: 2 },
+            found: Found::TakenOver { value: 0.3, decimals: 2 },
             rests_on: String::new(),
         };
-        assert_eq!(given.agreement(&ENTRY), Agreement::Given);
+        assert_eq!(given.agreement(&ENTRY), Agreement::TakenOver);
         assert_eq!(Reading::nothing("loop", "lost").agreement(&ENTRY), Agreement::Open);
         assert_eq!(Reading::over("loop", &[], 1, "").agreement(&ENTRY), Agreement::Open);
     }

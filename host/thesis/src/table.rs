@@ -58,7 +58,7 @@ fn number(entry: &Entry, reading: &Reading) -> Row {
     let judged = matches!(reading.found, Found::Figure { .. });
     let tolerance = if judged { format!(" <small>\u{b1}{within}</small>") } else { String::new() };
     let source = match reading.found {
-        Found::Figure { .. } | Found::Beside { .. } => format!(" Tolerance: {source}."),
+        Found::Figure { .. } | Found::SizeOnly { .. } => format!(" Tolerance: {source}."),
         _ => String::new(),
     };
     let cells = format!(
@@ -108,7 +108,7 @@ pub(super) fn class(agreement: Agreement) -> &'static str {
         Agreement::InPart => "part",
         Agreement::Differs => "differs",
         Agreement::Open => "open",
-        Agreement::Given => "given",
+        Agreement::TakenOver => "given",
     }
 }
 
@@ -134,6 +134,6 @@ mod tests {
         let figure = |value| Found::Figure { value, range: [value; 2], decimals: 2 };
         assert_eq!(gap(2.0, &figure(2.1)), "+5.0 %");
         assert_eq!(gap(2.0, &figure(1.9)), "-5.0 %");
-        assert_eq!(gap(2.0, &Found::Beside { value: 1.0, range: [1.0; 2], decimals: 0 }), "");
+        assert_eq!(gap(2.0, &Found::SizeOnly { value: 1.0, range: [1.0; 2], decimals: 0 }), "");
     }
 }

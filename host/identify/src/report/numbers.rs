@@ -9,7 +9,7 @@ use crate::causes::Explanation;
 use crate::figures::{Figure, Figures};
 use crate::parameter::Parameter;
 use crate::recording::{CHANNELS, Recording};
-use crate::{ChannelFit, Estimate, Given, Identification, Share, Unseen};
+use crate::{ChannelFit, ConditionalEstimate, Estimate, Identification, Share, Unidentifiable};
 
 /// The numbers as JSON.
 #[must_use]
@@ -31,7 +31,7 @@ pub fn to_json(found: &Identification, recordings: &[Recording]) -> Value {
         "far_from_file": found.far_off,
         "runs": found.runs, "evaluations": found.evaluations,
         "parameters": found.estimates.iter().map(|e| estimate(e, found)).collect::<Vec<_>>(),
-        "unseen": found.unseen.iter().map(unseen).collect::<Vec<_>>(),
+        "unseen": found.unidentifiable.iter().map(unidentifiable).collect::<Vec<_>>(),
         "calibration": found.calibration.iter().map(calibrated).collect::<Vec<_>>(),
         "causes": found.causes.fitted.iter().map(cause).collect::<Vec<_>>(),
         "search_cut": found.cut, "causes_not_looked_at": found.causes.cut,
@@ -50,7 +50,7 @@ fn estimate(e: &Estimate, found: &Identification) -> Value {
         "interval_widened": (intervals == Intervals::Widened).then_some(e.interval),
         "interval": e.interval, "interval_is": intervals.word(),
         "part_of_assumptions": e.assumed, "rests_on": shares(&e.rests_on),
-        "given": e.given.as_ref().map(|one| given(one, found.fits)),
+        "given": e.conditional.as_ref().map(|one| conditional(one, found.fits)),
     })
 }
 
@@ -58,19 +58,19 @@ fn shares(shares: &[Share]) -> Vec<Value> {
     shares.iter().map(|share| json!({ "key": share.path, "part": share.part })).collect()
 }
 
-fn given(given: &Given, fits: bool) -> Value {
-    let known = given.known.iter().map(|(path, by)| json!({ "key": path, "changes_by": by }));
+fn conditional(estimate: &ConditionalEstimate, fits: bool) -> Value {
+    let known = estimate.known.iter().map(|(path, by)| json!({ "key": path, "changes_by": by }));
     json!({
-        "known": known.collect::<Vec<_>>(), "standard_error": given.standard_error,
-        "interval_95": fits.then_some(given.interval), "interval": given.interval,
+        "known": known.collect::<Vec<_>>(), "standard_error": estimate.standard_error,
+        "interval_95": fits.then_some(estimate.interval), "interval": estimate.interval,
     })
 }
 
-fn unseen(unseen: &Unseen) -> Value {
+fn unidentifiable(one: &Unidentifiable) -> Value {
     json!({
-        "key": unseen.parameter.key.path, "file": unseen.parameter.start, "kept": unseen.value,
-        "confused_with": shares(&unseen.confused_with), "taken": unseen.value,
-        "over_prior": unseen.over_prior,
+        "key": one.parameter.key.path, "file": one.parameter.start, "kept": one.value,
+        "confused_with": shares(&one.confused_with), "taken": one.value,
+        "over_prior": one.over_prior,
     })
 }
 

@@ -90,7 +90,7 @@ fn settings(found: &Identification) -> Vec<String> {
         return Vec::new();
     }
     let seen = found.estimates.iter().map(|one| (one.parameter.key.path, one.value));
-    let shifted = found.unseen.iter().filter(|one| one.value != one.parameter.start);
+    let shifted = found.unidentifiable.iter().filter(|one| one.value != one.parameter.start);
     let shifted = shifted.map(|one| (one.parameter.key.path, one.value));
     seen.chain(shifted).map(|(key, value)| format!("{key}={value:?}")).collect()
 }

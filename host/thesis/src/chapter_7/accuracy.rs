@@ -121,7 +121,7 @@ fn of_drive(key: &str, rig: &Rig, own: &Run, draws: &[Run]) -> Vec<Reading> {
     let pulse_m = 1e-3 * mm_per_count(rig);
     let beside = |what: &str, decimals: usize, of: &dyn Fn(&pneudrive_sim::trace::Row) -> f64| {
         let values: Vec<f64> = draws.iter().map(|draw| apart(own, draw, of)).collect();
-        let found = Found::Beside { value: median(&values), range: ends(&values), decimals };
+        let found = Found::SizeOnly { value: median(&values), range: ends(&values), decimals };
         Reading {
             key: format!("{key} {what}"),
             found,
@@ -139,7 +139,7 @@ fn of_drive(key: &str, rig: &Rig, own: &Run, draws: &[Run]) -> Vec<Reading> {
             .iter()
             .filter_map(|row| Some(row.valve.as_ref()?.port_pressures[0] - row.plant.pressures[0]));
         let value = rms(pairs);
-        let found = Found::Beside { value, range: [value; 2], decimals: 0 };
+        let found = Found::SizeOnly { value, range: [value; 2], decimals: 0 };
         readings.push(Reading {
             key: "A open P1v".to_owned(),
             found,
@@ -165,7 +165,7 @@ fn higher(readings: &[Reading]) -> Reading {
         let of = readings.iter().filter(|reading| what.iter().any(|end| reading.key.ends_with(end)));
         let pairs: Vec<(f64, f64)> = of
             .filter_map(|reading| match reading.found {
-                Found::Beside { range, .. } => Some((printed(&reading.key)?, range[1])),
+                Found::SizeOnly { range, .. } => Some((printed(&reading.key)?, range[1])),
                 _ => None,
             })
             .collect();

@@ -109,7 +109,7 @@ fn tubes() -> Result<Measured> {
     let drops: Vec<f64> = pipes.iter().map(lost_part).collect();
     let given = Reading {
         key: "regression".to_owned(),
-        found: Found::Given { value: lost_part(&regression), decimals: 3 },
+        found: Found::TakenOver { value: lost_part(&regression), decimals: 3 },
         rests_on: "C(28), C(30)".to_owned(),
     };
     let rests_on = "1 m of 4 mm, a Fanning friction factor of 0.005 (0.0045 to 0.0055)";
