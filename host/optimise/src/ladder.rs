@@ -290,7 +290,7 @@ fn ratios(pairs: &[[f64; 2]]) -> [f64; 3] {
 #[must_use]
 pub fn page(name: &str, variants: &[Variant]) -> Page {
     let cost = Figure {
-        heading: "what a model costs, and what it changes".to_owned(),
+        heading: "cost and effect of each model".to_owned(),
         across: "evaluations of the right-hand side per sample".to_owned(),
         panels: vec![Panel {
             title: "largest difference of the position, mm".to_owned(),
@@ -307,7 +307,7 @@ pub fn page(name: &str, variants: &[Variant]) -> Page {
         });
         Panel::new(&format!("{}, {}", CHANNELS[channel].0, CHANNELS[channel].1), curves.collect())
     });
-    let transients = Figure { heading: "the transients".to_owned(), ..Figure::over_time(drawn.to_vec()) };
+    let transients = Figure { heading: "transients".to_owned(), ..Figure::over_time(drawn.to_vec()) };
     Page {
         title: format!("{name}: the models of its components"),
         notes: vec![

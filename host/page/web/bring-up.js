@@ -35,7 +35,7 @@ export class BringUp {
     this.#parts.answers.hidden = true;
     const element = html('details', { class: 'bring-up' }, html('summary', {}, 'Bring-up of a new board'),
       html('p', { class: 'remark' }, 'From checks that move nothing to short pulses of the valve. The page asks before the cylinder moves. The test on the drive is replaced, and its parameters stay.'),
-      number('wait', 'Wait for a hand that pushes the slide', '20', 's'), number('most', 'Largest pulse', '30', '% of the valve'),
+      number('wait', 'Time to push the slide by hand', '20', 's'), number('most', 'Largest pulse', '30', '% of the valve'),
       html('p', { class: 'row' }, button('begin', 'Begin', () => this.#begin(), 'main'), button('abort', 'End', () => this.#callbacks.order('abort')),
         button('save', 'Save the report', () => this.#save())),
       this.#parts.problem, this.#parts.checks, this.#parts.now, this.#parts.question, this.#parts.answers);
@@ -91,7 +91,7 @@ export class BringUp {
       if (![wait, most].every(Number.isInteger)) throw new Error('give whole numbers of s and of %');
       this.#report = await this.#callbacks.ask('bring-up', { push_wait_s: wait, most_percent: most });
       const { summary, wrong } = this.#report;
-      this.#summary = wrong.length ? `${summary}. What to do stands with each.` : `${summary}.`;
+      this.#summary = wrong.length ? `${summary}. Each comes with its remedy.` : `${summary}.`;
       this.#parts.now.textContent = this.#summary;
       this.#parts.save.hidden = false;
     } catch (error) {

@@ -1,7 +1,7 @@
 // The components of a drive: the tables of the rig file that each of them has.
 
 export const COMPONENTS = [
-  { id: 'test', title: 'Wanted move', tables: ['test'] },
+  { id: 'test', title: 'Test move', tables: ['test'] },
   { id: 'controller', title: 'Controller', tables: ['controller', 'safety'] },
   { id: 'operator', title: 'Valve operator', tables: ['operator'] },
   { id: 'valve', title: 'Valve', tables: ['valve'] },

@@ -25,7 +25,7 @@ export class Field {
     const id = `key-${key.path.replace('.', '-')}`;
     this.#problem = html('p', { class: 'problem', id: `${id}-problem`, role: 'alert' });
     this.#input = this.#inputOf(id, value);
-    this.#reset = html('button', { type: 'button', class: 'reset', title: 'Back to the value of the file', hidden: true }, '↺');
+    this.#reset = html('button', { type: 'button', class: 'reset', title: 'Reset to the value of the file', hidden: true }, '↺');
     this.#reset.setAttribute('aria-label', `${key.name}: back to the value of the file`);
     this.#reset.addEventListener('click', () => callbacks.changed(key, null, true));
     this.element = html('div', { class: 'field', 'data-key': key.path },

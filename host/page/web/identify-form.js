@@ -15,8 +15,8 @@ export class IdentifyForm {
     this.#callbacks = callbacks;
     const open = html('button', { type: 'button' }, 'Open a record…');
     open.addEventListener('click', () => callbacks.open());
-    this.element = html('div', {}, html('h3', {}, 'Records of the rig'), this.#records, html('p', {}, open),
-      html('h3', {}, 'What is unknown'), this.#unknowns);
+    this.element = html('div', {}, html('h3', {}, 'Records'), this.#records, html('p', {}, open),
+      html('h3', {}, 'Unknown parameters'), this.#unknowns);
     this.element.addEventListener('input', () => callbacks.changed());
   }
 
@@ -58,7 +58,7 @@ export class IdentifyForm {
   /** The keys for the request; none if all unknowns are selected: the command fits those by default. */
   body() {
     const chosen = this.#boxes.filter(({ box }) => box.checked).map(({ path }) => path);
-    if (this.#boxes.length && !chosen.length) throw new Error('choose what is unknown');
+    if (this.#boxes.length && !chosen.length) throw new Error('choose at least one unknown parameter');
     const records = this.#callbacks.records().filter(({ name }) => !this.#unused.has(name));
     return { records, fit: chosen.length === this.#boxes.length ? [] : chosen };
   }

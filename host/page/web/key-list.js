@@ -13,7 +13,7 @@ export class KeyList {
   /** Number of keys behind the click. */
   #hidden = 0;
   #count = html('summary', {});
-  #nothing = html('p', { class: 'remark', hidden: true }, 'No key has these letters in its name or its meaning.');
+  #nothing = html('p', { class: 'remark', hidden: true }, 'No key matches by name or meaning.');
   #search;
 
   constructor(sections, fields, placeOf) {

@@ -86,7 +86,7 @@ export class Parameters {
     this.#parts.rows.replaceChildren(...[...groups].map(([table, ofTable]) => html('section', {}, html('h3', {}, table),
       ...ofTable.map(({ path }) => this.#rows.get(path).element))));
     const differing = parameters.filter(({ differs }) => differs).length;
-    const kept = saved ? 'All are saved on the drive.' : 'Not saved: a reset of the drive brings the saved ones back.';
+    const kept = saved ? 'All are saved on the drive.' : 'Not saved: a reset of the drive restores the saved ones.';
     this.#compared = { design: JSON.stringify(design), figures: `${differing} of ${parameters.length} differ from ${rig}`, saved, kept };
     this.#tell();
     this.#filter();

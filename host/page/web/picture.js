@@ -200,7 +200,7 @@ export class Picture {
   #wanted() {
     const { left, right, top, bottom } = WANTED;
     return [
-      box(20, 200, 200, 112), svg('text', { x: 120, y: 326, class: 'title' }, 'Wanted move'),
+      box(20, 200, 200, 112), svg('text', { x: 120, y: 326, class: 'title' }, 'Test move'),
       this.#part('now', svg('line', { x1: left, x2: left, y1: top - 6, y2: bottom + 6, class: 'now' })),
       this.#part('moved', svg('path', { class: 'moved' })), this.#part('wanted', svg('path', { class: 'wanted' })),
       svg('path', { d: `M${left} ${bottom + 6} H${right}`, class: 'axis' }),

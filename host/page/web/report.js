@@ -17,7 +17,7 @@ export function toReport({ title, origins, figures, graphs, command, style }) {
     html('p', { class: 'origins' }, `Values of the rig: ${origins}.`),
     html('section', {}, ...figures),
     html('figure', {}, graphs),
-    html('p', { class: 'command' }, 'The same at the command line: ', html('code', {}, command)),
+    html('p', { class: 'command' }, 'Equivalent command: ', html('code', {}, command)),
   );
   // The policy of this page forbids style within a page, so it comes in as text.
   const [before, after] = page.documentElement.outerHTML.split('</head>');

@@ -332,7 +332,7 @@ class Studio {
     const { from, to } = this.plot.view;
     const ask = (channel, record) => postForColumns('/api/spectrum', { ...this.#asked(), channel, record, from_s: from, to_s: to });
     const records = this.records.all.map(({ content }) => content);
-    return showSpectra(ask, records, `From ${from.toFixed(4)} s to ${to.toFixed(4)} s, the part in view`);
+    return showSpectra(ask, records, `From ${from.toFixed(4)} s to ${to.toFixed(4)} s, the visible part`);
   }
 
   /** Compares the rig with another, key by key. */

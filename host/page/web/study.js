@@ -10,9 +10,9 @@ import { TuneForm } from './tune-form.js';
 import { html } from './svg.js';
 
 const TASKS = {
-  sweep: { title: 'Sweep', form: SweepForm, take: 'Use the best point', about: 'Keys vary, and figures of the moves are collected.' },
-  tune: { title: 'Tune', form: TuneForm, take: 'Use these gains', about: 'Gains for a step, over a spread of rigs.' },
-  identify: { title: 'Identify', form: IdentifyForm, take: 'Use these values', about: 'Values of the rig from records of it.' },
+  sweep: { title: 'Sweep', form: SweepForm, take: 'Use the best point', about: 'Varies keys and collects figures of the moves.' },
+  tune: { title: 'Tune', form: TuneForm, take: 'Use these gains', about: 'Finds gains for a step over a spread of rigs.' },
+  identify: { title: 'Identify', form: IdentifyForm, take: 'Use these values', about: 'Finds values of the rig from its records.' },
 };
 
 /** A pause of this length ends typing, ms. */
@@ -44,7 +44,7 @@ export class Study {
     this.#server = server;
     this.#callbacks = callbacks;
     this.#build(element);
-    showNothing(exhibit, 'What a study finds stands here: figures with their ranges, and graphs.');
+    showNothing(exhibit, 'The results of a study appear here: figures with their ranges, and graphs.');
   }
 
   /** Gets the forms ready. */
@@ -100,7 +100,7 @@ export class Study {
     this.#parts.excitation = html('p', { id: 'study-excitation', role: 'status' });
     element.replaceChildren(html('h2', {}, 'Study'), html('p', { class: 'row', role: 'group', 'aria-label': 'Task' }, ...tasks),
       this.#parts.about, this.#parts.form, html('p', { class: 'row' }, start, this.#parts.size), bar, this.#parts.at, this.#parts.problem, this.#parts.excitation,
-      html('label', { for: 'study-command' }, 'The same at the command line'), html('p', { class: 'row' }, command, copy), html('p', {}, file));
+      html('label', { for: 'study-command' }, 'Equivalent command'), html('p', { class: 'row' }, command, copy), html('p', {}, file));
   }
 
   #choose(name) {
@@ -196,7 +196,7 @@ export class Study {
     const command = html('input', { id: 'study-plan', readonly: true, value: this.#plan.excitation.replace('PORT', this.#callbacks.port() ?? 'PORT') });
     const copy = html('button', { type: 'button' }, 'Copy');
     copy.addEventListener('click', () => copyFrom(command, copy));
-    const label = html('label', { for: 'study-plan' }, 'These records do not tell the values. The tests of a plan do; leave the drive first, then run');
+    const label = html('label', { for: 'study-plan' }, 'These records do not determine the values. The tests of a plan do: release the drive, then run');
     this.#parts.excitation.replaceChildren(label, command, ' ', copy);
   }
 

@@ -28,11 +28,11 @@ export class SweepForm {
     const aims = ['', ...figures.flatMap(({ name }) => [`minimise ${name}`, `maximise ${name}`])];
     this.#aim = html('select', { id: 'sweep-best' }, ...aims.map((aim) => html('option', { value: aim, selected: aim === 'minimise overshoot_mm' }, aim || 'none')));
     this.#runs = html('input', { type: 'text', id: 'sweep-runs', inputmode: 'numeric', value: '8', size: 6 });
-    const more = html('button', { type: 'button', id: 'sweep-more' }, 'Another key');
+    const more = html('button', { type: 'button', id: 'sweep-more' }, 'Add a key');
     more.addEventListener('click', () => this.#add());
-    this.element = html('div', {}, html('h3', {}, 'What varies'), this.#list, html('p', {}, more),
-      html('h3', {}, 'What is collected of the moves'), html('div', { class: 'choices' }, ...this.#figures.map(({ element }) => element)),
-      ...labelled('sweep-best', 'The best point', this.#aim), ...labelled('sweep-runs', 'Runs of each point', this.#runs, 'the rig and its perturbed runs'));
+    this.element = html('div', {}, html('h3', {}, 'Varied keys'), this.#list, html('p', {}, more),
+      html('h3', {}, 'Figures to collect'), html('div', { class: 'choices' }, ...this.#figures.map(({ element }) => element)),
+      ...labelled('sweep-best', 'Best point', this.#aim), ...labelled('sweep-runs', 'Runs per point', this.#runs, 'the rig and its perturbed runs'));
     this.element.addEventListener('input', () => callbacks.changed());
   }
 
@@ -70,7 +70,7 @@ export class SweepForm {
   #row(key) {
     const tables = Map.groupBy(this.#used(), ({ table }) => table || 'rig');
     const option = (one) => html('option', { value: one.path, title: one.meaning, selected: one.path === key.path }, one.path);
-    const select = html('select', { 'aria-label': 'Key that varies' },
+    const select = html('select', { 'aria-label': 'Varied key' },
       ...[...tables].map(([table, keys]) => html('optgroup', { label: table }, ...keys.map(option))));
     const remove = html('button', { type: 'button', class: 'reset', 'aria-label': 'Do not vary this key' }, '×');
     const row = { select, over: html('span', { class: 'over' }) };
@@ -100,8 +100,8 @@ export class SweepForm {
     const field = (name, value) => html('input', { type: 'text', class: name, 'aria-label': `${key.path} ${name}`, inputmode: 'decimal', size: 8, value });
     const [low, high] = around(key.kind, this.#callbacks.state().values[key.path].number);
     const [from, to, steps] = [field('from', low), field('to', high), field('steps', 5)];
-    const log = html('input', { type: 'checkbox', 'aria-label': `${key.path} in even ratios` });
-    row.over.replaceChildren('from ', from, ' to ', to, ` ${key.unit} in `, steps, ' values ', html('label', {}, log, ' even ratios'));
+    const log = html('input', { type: 'checkbox', 'aria-label': `${key.path} in logarithmic steps` });
+    row.over.replaceChildren('from ', from, ' to ', to, ` ${key.unit} in `, steps, ' values ', html('label', {}, log, ' logarithmic'));
     row.body = () => ({ key: key.path, from: numberIn(from), to: numberIn(to), steps: numberIn(steps), logarithmic: log.checked });
   }
 }

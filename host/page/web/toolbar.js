@@ -30,12 +30,12 @@ export class Toolbar {
       button('Report', 'Figures and graphs as a page to print', () => this.#report()),
     ];
     element.append(...PANELS.map((panel) => this.#toggle(panel)), this.#align,
-      button('whole time', 'All samples of the runs', () => plot.zoom(), 'plain'),
-      button('Spectrum…', 'Which frequencies a channel holds, in the part that is in view', () => callbacks.spectrum()),
+      button('full range', 'Show all samples of the runs', () => plot.zoom(), 'plain'),
+      button('Spectrum…', 'The frequency content of a channel over the visible part', () => callbacks.spectrum()),
       csv,
       button('PNG', 'The graphs as a picture', async () => this.#offer('png', await plot.toPng(callbacks.title()))),
       button('SVG', 'The graphs as a drawing, in the colours of paper', () => this.#offer('svg', toFile(withHead(plot.toSvg(), callbacks.title())))),
-      button('Drive', 'The picture of the drive, as it stands at the cursor, as a drawing', () => this.#offer('drive.svg', toFile(withHead(standalone(callbacks.picture()), callbacks.title())))),
+      button('Drive', 'A drawing of the drive at the cursor', () => this.#offer('drive.svg', toFile(withHead(standalone(callbacks.picture()), callbacks.title())))),
       report);
     this.update();
   }
@@ -72,7 +72,7 @@ export class Toolbar {
   }
 
   #alignment() {
-    const choice = html('select', { id: 'align', 'aria-label': 'How records lie over the run', hidden: true },
+    const choice = html('select', { id: 'align', 'aria-label': 'Alignment of the records', hidden: true },
       ...ALIGNMENTS.map(([value, text]) => html('option', { value }, `records ${text}`)));
     choice.addEventListener('change', () => { this.#records.align = choice.value; });
     return choice;

@@ -6,15 +6,15 @@ import { html } from './svg.js';
 const FIELDS = [
   ['step_mm', 'Step', 'mm, there and back'],
   ['settled_mm', 'Settled within', 'mm of the setpoint'],
-  ['overshoot_percent', 'Overshoot at most', '% of the step'],
+  ['overshoot_percent', 'Maximum overshoot', '% of the step'],
   ['time_s', 'Time each way', 's'],
   ['load_percent', 'Load ±', '%'],
   ['friction_percent', 'Friction ±', '%'],
   ['supply_percent', 'Supply pressure ±', '%'],
-  ['valve_percent', "Valve's conductance ±", '%'],
-  ['population', 'Candidates', 'in each generation'],
-  ['generations', 'Generations', '0: the gains of the file are judged'],
-  ['draws', 'Fresh draws', 'that judge the gains'],
+  ['valve_percent', 'Valve conductance ±', '%'],
+  ['population', 'Candidates', 'per generation'],
+  ['generations', 'Generations', '0: evaluates the gains of the file'],
+  ['draws', 'Fresh draws', 'to evaluate the gains'],
 ];
 
 /** The tolerance of the rig, and the size of the search that suits its law, until others are typed. */
@@ -33,9 +33,9 @@ export class TuneForm {
       return { name, label, unit, field };
     });
     const lines = (from, to) => this.#fields.slice(from, to).flatMap(({ name, label, unit, field }) => labelled(`tune-${name}`, label, field, unit));
-    this.element = html('div', {}, html('h3', {}, 'What is asked of a step'), ...lines(0, 4),
-      html('h3', {}, 'The rigs that the drive may turn out to be'), ...lines(4, 8),
-      html('h3', {}, 'How long is looked for'), this.#searched, ...lines(8));
+    this.element = html('div', {}, html('h3', {}, 'Goal for a step'), ...lines(0, 4),
+      html('h3', {}, 'Spread of the drive'), ...lines(4, 8),
+      html('h3', {}, 'Search'), this.#searched, ...lines(8));
     this.element.addEventListener('input', () => callbacks.changed());
   }
 

@@ -33,7 +33,7 @@ fn the_keys_that_matter_come_first_and_the_others_are_found_by_their_words() {
     assert_eq!(seen(&mut page), ["safety.host_silence_s"], "behind the click");
     search(&mut page, "steam");
     assert_eq!(seen(&mut page), Vec::<String>::new());
-    assert!(page.text("#inspector").contains("No key has these letters"));
+    assert!(page.text("#inspector").contains("No key matches"));
     // The search stays while a key changes, and the change is counted where it cannot be seen.
     search(&mut page, "C(41)");
     assert_eq!(seen(&mut page), ["controller.period_s"], "by its name in the thesis");

@@ -50,7 +50,7 @@ pub fn draws(task: &Task, trial: &Trial, tuned: &Tuned) -> Figure {
         ..Curve::new("settled within", vec![0.0, goal.time_s], vec![bound; 2])
     }));
     Figure {
-        heading: format!("the steps there and back of {} fresh draws", tuned.fresh.len()),
+        heading: format!("steps there and back in {} fresh draws", tuned.fresh.len()),
         across: "time since the step, s".to_owned(),
         panels: vec![
             Panel::new("travel, mm", shown(vec![curve(false, &travel), curve(true, &travel)])),
@@ -103,7 +103,7 @@ pub fn places(trial: &Trial, tuned: &Tuned, goal: &Goal) -> Figure {
         points("does not settle (at the top)", REQUIRED, false, false),
     ];
     Figure {
-        heading: "settling time over the position at which the step begins; the later of there and back"
+        heading: "settling time over the start position of a step; the slower of the two directions"
             .to_owned(),
         across: "begins at, mm".to_owned(),
         panels: vec![Panel::new("settles after, s", shown(curves))],
@@ -171,7 +171,7 @@ pub fn step(trial: &Trial, tuned: &Tuned) -> Figure {
         Panel::new(&format!("{name}, {unit}"), asked.into_iter().chain(curves).collect())
     };
     Figure {
-        heading: "the step in mid-stroke, on the rig of the file".to_owned(),
+        heading: "step in mid-stroke, rig of the file".to_owned(),
         ..Figure::over_time(DRAWN.map(panel).to_vec())
     }
 }
@@ -181,7 +181,7 @@ pub fn step(trial: &Trial, tuned: &Tuned) -> Figure {
 pub fn search(tuned: &Tuned) -> Figure {
     let generations = (1..=tuned.progress.len()).map(|n| n as f64).collect();
     Figure {
-        heading: "the search".to_owned(),
+        heading: "search".to_owned(),
         across: "generation".to_owned(),
         panels: vec![Panel::new(
             "mean cost of a trial, 0 to 2",
