@@ -43,7 +43,7 @@ pub fn array<T: Element>(py: Python<'_>, values: Vec<T>) -> PyResult<Bound<'_, P
 /// Columns with their names.
 pub type Columns = Vec<(String, Column)>;
 
-/// Columns by name.
+/// Columns by name: arrays over one index.
 #[pyclass(frozen, subclass, mapping, module = "pneudrive")]
 pub struct Channels {
     gather: Box<dyn Fn() -> Columns + Send + Sync>,
@@ -80,7 +80,7 @@ impl Channels {
 
 #[pymethods]
 impl Channels {
-    /// A column by its name.
+    /// Returns a column by its name.
     fn __getitem__<'py>(&self, py: Python<'py>, name: &Bound<'py, PyString>) -> PyResult<Bound<'py, PyAny>> {
         let all = self.all(py)?;
         all.get_item(name)?.ok_or_else(|| {
@@ -101,22 +101,22 @@ impl Channels {
         self.all(py)?.contains(name)
     }
 
-    /// Names of the columns, in their order.
+    /// The names of the columns, in order.
     fn keys(&self, py: Python<'_>) -> PyResult<Py<PyList>> {
         Ok(self.all(py)?.keys().unbind())
     }
 
-    /// The columns, in their order.
+    /// The columns, in order.
     fn values(&self, py: Python<'_>) -> PyResult<Py<PyList>> {
         Ok(self.all(py)?.values().unbind())
     }
 
-    /// Names and columns, in their order.
+    /// Pairs of name and column, in order.
     fn items(&self, py: Python<'_>) -> PyResult<Py<PyList>> {
         Ok(self.all(py)?.items().unbind())
     }
 
-    /// As a `pandas.DataFrame`, a row an instant. A column, such as "time_s", may become its index.
+    /// The columns as a `pandas.DataFrame`, one row per instant; `index` names the column that becomes its index, such as "time_s".
     #[pyo3(signature = (*, index=None))]
     fn to_pandas<'py>(&self, py: Python<'py>, index: Option<&str>) -> PyResult<Bound<'py, PyAny>> {
         let frame = self.frame(py, "to_pandas")?;
@@ -126,12 +126,12 @@ impl Channels {
         }
     }
 
-    /// As a `polars.DataFrame`.
+    /// The columns as a `polars.DataFrame`, one row per instant.
     fn to_polars<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         self.frame(py, "to_polars")
     }
 
-    /// As a `pyarrow.Table`.
+    /// The columns as a `pyarrow.Table`, one row per instant.
     fn to_arrow<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         self.frame(py, "to_arrow")
     }

@@ -10,7 +10,7 @@ use crate::errors::{self, PneudriveError};
 use crate::rig::Rig;
 use crate::work;
 
-/// A bench test of a component: curves over one axis, and figures read off them.
+/// A bench test of a component: curves over one axis, and figures read from them.
 #[pyclass(frozen, module = "pneudrive")]
 pub struct Characteristic {
     about: &'static str,
@@ -20,37 +20,37 @@ pub struct Characteristic {
 /// A curve of a bench test.
 #[pyclass(frozen, module = "pneudrive")]
 pub struct Curve {
-    /// Name and unit of its axis.
+    /// The name and the unit of the y axis.
     #[pyo3(get)]
     graph: &'static str,
-    /// Its name.
+    /// The name.
     #[pyo3(get)]
     name: String,
     points: [Vec<f64>; 2],
 }
 
-/// A figure that was read off curves.
+/// A figure read from curves.
 #[pyclass(frozen, get_all, module = "pneudrive")]
 pub struct CurveFigure {
-    /// Its name.
+    /// The name.
     name: String,
-    /// Its value; None if it is nowhere between the places that were searched.
+    /// The value, in `unit`; None if the searched range does not contain it.
     value: Option<f64>,
-    /// The true value lies no further from it; None of a value that the equations give.
+    /// The largest deviation of the true value from `value`, in `unit`; None if the equations give the value exactly.
     within: Option<f64>,
-    /// Its unit.
+    /// The unit of `value` and `within`.
     unit: &'static str,
 }
 
 #[pymethods]
 impl Curve {
-    /// Places on the axis across.
+    /// The x values, in the unit of `Characteristic.across`.
     #[getter]
     fn x<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         Column::Float(self.points[0].clone()).into_python(py)
     }
 
-    /// Values there; NaN where there is none.
+    /// The y values, in the unit of `graph`; NaN where there is none.
     #[getter]
     fn y<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         Column::Float(self.points[1].clone()).into_python(py)
@@ -72,25 +72,25 @@ impl CurveFigure {
 
 #[pymethods]
 impl Characteristic {
-    /// The test, and its place in the thesis.
+    /// A description of the test, with its section in the thesis.
     #[getter]
     fn about(&self) -> &str {
         self.about
     }
 
-    /// How it was made.
+    /// Notes on how the test was done, one sentence each.
     #[getter]
     fn notes(&self) -> Vec<String> {
         self.found.notes.clone()
     }
 
-    /// Name and unit of the axis across.
+    /// The name and the unit of the x axis.
     #[getter]
     fn across(&self) -> &str {
         self.found.across
     }
 
-    /// Whether that axis is logarithmic.
+    /// Whether the x axis is logarithmic.
     #[getter]
     fn logarithmic(&self) -> bool {
         self.found.logarithmic
@@ -126,7 +126,7 @@ impl Characteristic {
         self.found.figures.iter().map(of).collect()
     }
 
-    /// Draws the curves; returns a matplotlib figure.
+    /// Draws the curves and returns a matplotlib figure.
     fn plot<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
         slf.py().import("pneudrive.plot")?.call_method1("characteristic", (slf,))
     }
@@ -138,7 +138,7 @@ impl Characteristic {
 
 #[pymethods]
 impl Rig {
-    /// Tests a component on the bench: "nominal-flow", "friction" and so on, as `pneudrive characterise` does.
+    /// Tests a component on a simulated bench, as `pneudrive characterise` does: "nominal-flow", "friction" and so on.
     #[pyo3(signature = (curve, /))]
     fn characterise(&self, py: Python<'_>, curve: &str) -> PyResult<Characteristic> {
         let wanted = CURVES.iter().find(|one| one.name == curve).ok_or_else(|| {

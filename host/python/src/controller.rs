@@ -18,15 +18,15 @@ use crate::rig::RigOrSource;
 #[pyclass(frozen, get_all, eq, from_py_object, module = "pneudrive")]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sample {
-    /// Encoder count; positive means extension.
+    /// The encoder's position, counts; positive means extension.
     position: i32,
-    /// Chamber 1 (blind side) pressure as converted, 0 to 2^bits - 1.
+    /// The raw pressure of chamber 1 (blind side), 0 to 2^bits - 1.
     pressure_1: i16,
-    /// Chamber 2 (rod side) pressure as converted.
+    /// The raw pressure of chamber 2 (rod side), 0 to 2^bits - 1.
     pressure_2: i16,
-    /// Spool displacement as converted.
+    /// The raw spool displacement, 0 to 2^bits - 1.
     spool: i16,
-    /// Whether the homing switch is closed; False without one.
+    /// Whether the homing switch is closed; False without a switch.
     home_switch: bool,
 }
 
@@ -65,16 +65,16 @@ impl From<Sample> for controller::Sample {
     }
 }
 
-/// What the drive stage shall do from the output on.
+/// The command to the drive stage, in force from the output on.
 #[pyclass(frozen, get_all, eq, from_py_object, module = "pneudrive")]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Command {
-    /// Valve command; positive means extension, 0 is the valve's null. DAC: -2048 to 2048 counts; stepper: the spool
+    /// The valve command; positive means extension, 0 is the valve's null. DAC: -2048 to 2048 counts; stepper: the spool
     /// location asked for, steps.
     counts: i16,
-    /// Stepper: the pulse to give now, -1, 0 or 1. DAC: 0.
+    /// The stepper's pulse at this output: -1, 0 or 1; 0 with a DAC.
     step: i8,
-    /// The drive's enable line.
+    /// Whether the drive's enable line is on.
     drive_enable: bool,
 }
 
@@ -117,7 +117,7 @@ impl From<Command> for controller::Command {
     }
 }
 
-/// The controller of a rig, bit for bit that of the firmware, with the moves of the rig's test.
+/// The controller of a rig with the moves of its test, bit for bit that of the firmware.
 #[pyclass(module = "pneudrive")]
 pub struct Controller {
     config: Config,
@@ -131,7 +131,7 @@ fn refused(refusal: Refusal) -> PyErr {
 
 #[pymethods]
 impl Controller {
-    /// The controller of a rig. It is referenced, armed and started: the next sample is k = 0 of the test. Without
+    /// Makes the controller of a rig, referenced, armed and started: the next sample is k = 0 of the test. Without
     /// `start` it is disarmed and not referenced.
     #[new]
     #[pyo3(signature = (rig, /, *, start=true))]
@@ -153,29 +153,29 @@ impl Controller {
         Ok(controller)
     }
 
-    /// Takes a sample and tells the command that is to be driven the rig's `controller.delay_s` later: `sample`, then
+    /// Takes a sample and returns the command to output `controller.delay_s` later: `sample`, then
     /// `output`.
     fn step(&mut self, sample: Sample) -> Command {
         self.sample(sample);
         self.output()
     }
 
-    /// The first interrupt: estimate, error, law, supervise.
+    /// Runs the first interrupt on a sample: estimator, error, law, supervisor.
     fn sample(&mut self, sample: Sample) {
         self::sample(&self.config, &self.sequence, &mut self.state, &sample.into());
     }
 
-    /// The second interrupt: what the drive stage does now.
+    /// Runs the second interrupt and returns the command to the drive stage.
     fn output(&mut self) -> Command {
         output(&self.config, &mut self.state).into()
     }
 
-    /// Enables the drive with the valve at null; leaves a fault.
+    /// Enables the drive with the valve at null, and clears a fault.
     fn arm(&mut self) -> PyResult<()> {
         self.state.arm(&self.config).map_err(refused)
     }
 
-    /// Runs the test from k = 0 at the next sample.
+    /// Starts the test: the next sample is k = 0.
     fn start(&mut self) -> PyResult<()> {
         self.state.start(&self.config, &self.sequence).map_err(refused)
     }
@@ -185,12 +185,12 @@ impl Controller {
         self.state.supervisor.disarm();
     }
 
-    /// Trips at once, as a stop request does.
+    /// Trips the drive at once, as a stop request does.
     fn stop(&mut self) {
         self.state.supervisor.trip(Fault::Stop);
     }
 
-    /// States that the axis stands at this count now. The drive must be disabled.
+    /// References the axis at its present position, counts. The drive must be disabled.
     fn reference(&mut self, position: i32) -> PyResult<()> {
         if self.state.supervisor.drives() {
             return Err(Refused::new_err(
@@ -201,7 +201,7 @@ impl Controller {
         Ok(())
     }
 
-    /// What it is doing: "disarmed", "armed", "running", "homing", "done" or "fault".
+    /// The mode: "disarmed", "armed", "running", "homing", "done" or "fault".
     #[getter]
     fn mode(&self) -> &'static str {
         match self.state.supervisor.mode() {
@@ -214,7 +214,7 @@ impl Controller {
         }
     }
 
-    /// The fault that it tripped with; None if it has not.
+    /// The fault that tripped the drive; None without one.
     #[getter]
     fn fault(&self) -> Option<&'static str> {
         match self.state.supervisor.mode() {
@@ -223,7 +223,7 @@ impl Controller {
         }
     }
 
-    /// What it made of the last sample, in counts.
+    /// The controller's signals at the last sample, counts.
     #[getter]
     fn observation<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let seen = self.state.observation();

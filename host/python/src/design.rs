@@ -48,8 +48,8 @@ fn refusal(name: &str, answers: &Answers, wrong: &[AnswerProblem]) -> PyErr {
 
 #[pymethods]
 impl Rig {
-    /// A rig from figures of data sheets: `Rig.new("press", bore="32 mm", stroke="250 mm", mass="8 kg", flow="350 l/min")`.
-    /// `questions()` lists the figures. What is left out is taken within what is usual, and the rig says so.
+    /// Makes a rig from data-sheet figures: `Rig.new("press", bore="32 mm", stroke="250 mm", mass="8 kg", flow="350 l/min")`.
+    /// `questions()` lists the figures. A figure that is left out gets a usual value, which the rig marks as such.
     #[staticmethod]
     #[pyo3(name = "new", signature = (name, /, **answers))]
     fn of_data_sheets(name: &str, answers: Option<&Bound<'_, PyDict>>) -> PyResult<Rig> {
@@ -61,8 +61,8 @@ impl Rig {
     }
 }
 
-/// The figures that `Rig.new` takes: the name of each, the question, an example, and what is taken without an answer ("": it is
-/// required).
+/// The figures that `Rig.new` takes: the name of each, the question, an example, and the value without an answer ("": an answer
+/// is required).
 #[pyfunction]
 pub fn questions(py: Python<'_>) -> PyResult<Vec<Bound<'_, PyDict>>> {
     let one = |question: &pneudrive_design::question::Question| {

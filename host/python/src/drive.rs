@@ -146,20 +146,20 @@ fn mode(mode: Mode) -> &'static str {
 
 #[pymethods]
 impl Drive {
-    /// Opens a port: "tcp://HOST:PORT", "pty:PATH", or a serial device such as "/dev/ttyACM0" or "COM3".
+    /// Connects to the drive at a port: "tcp://HOST:PORT", "pty:PATH", or a serial device such as "/dev/ttyACM0" or "COM3".
     #[new]
     fn new(py: Python<'_>, port: String) -> PyResult<Drive> {
         let client = work::run(py, None, |_| Client::connect(&port))?;
         Ok(Drive { port, held: Mutex::new(Held::Open(Box::new(client))) })
     }
 
-    /// The port.
+    /// The port's name.
     #[getter]
     fn port(&self) -> &str {
         &self.port
     }
 
-    /// Whether it was closed.
+    /// Whether the port was closed.
     #[getter(closed)]
     fn is_closed(&self) -> PyResult<bool> {
         Ok(matches!(*self.held()?, Held::Closed))
@@ -169,7 +169,7 @@ impl Drive {
         slf
     }
 
-    /// Disarms the drive and closes the port. An exception of the block is not hidden by one of the disarming.
+    /// Disarms the drive and closes the port. An exception of the block takes precedence over one of the disarming.
     #[pyo3(signature = (kind, *_rest))]
     fn __exit__(
         &self,
@@ -181,7 +181,7 @@ impl Drive {
         if kind.is_none() { disarmed.map(|()| false) } else { Ok(false) }
     }
 
-    /// Disarms the drive, if this program commands it, and closes the port; a run that is streamed ends.
+    /// Disarms the drive, if this program commands it, and closes the port; a streamed run ends.
     fn close(&self, py: Python<'_>) -> PyResult<()> {
         let mut held = self.held()?;
         let held = &mut *held;
@@ -194,7 +194,7 @@ impl Drive {
         })
     }
 
-    /// Which firmware it has, and on which board.
+    /// The firmware and the board of the drive.
     fn info<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let info = self.act(py, None, |client, _| client.info())?;
         let dict = PyDict::new(py);
@@ -206,7 +206,7 @@ impl Drive {
         Ok(dict)
     }
 
-    /// How it is: its mode, and its figures as integers.
+    /// The state of the drive: its mode, and its figures as integers.
     fn status<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let (status, measured) =
             self.act(py, None, |client, _| Ok((client.status()?, client.measures_pressures()?)))?;
@@ -227,7 +227,7 @@ impl Drive {
         Ok(dict)
     }
 
-    /// Enables the drive with the valve at null; clears a fault. This program commands it from now on.
+    /// Enables the drive with the valve at null, and clears a fault. From now on this program commands it.
     fn arm(&self, py: Python<'_>) -> PyResult<()> {
         self.act(py, None, |client, _| drive::arm(client))
     }
@@ -237,7 +237,7 @@ impl Drive {
         self.act(py, None, |client, _| client.disarm())
     }
 
-    /// Stops at once: a fault, which `arm` clears. A run that is streamed ends.
+    /// Stops the drive at once, with a fault that `arm` clears. A streamed run ends.
     fn stop(&self, py: Python<'_>) -> PyResult<()> {
         {
             let held = &mut *self.held()?;
@@ -246,7 +246,7 @@ impl Drive {
         self.act(py, None, |client, _| client.stop())
     }
 
-    /// States where the axis stands now: in encoder counts, or in mm.
+    /// References the axis at its present position: in encoder counts, or in mm.
     #[pyo3(signature = (*, counts=None, mm=None))]
     fn reference(&self, py: Python<'_>, counts: Option<i32>, mm: Option<f64>) -> PyResult<()> {
         if counts.is_some() == mm.is_some() {
@@ -264,7 +264,7 @@ impl Drive {
         })
     }
 
-    /// The parameters of its controller, by the names that keys of a rig file have. Values are set first: those of a rig,
+    /// The parameters of the controller, by the names of rig-file keys. Values are set first: those of a rig,
     /// or of a dict such as `{"safety.hold_s": 60}`. The drive must be disarmed for that; `save` keeps them over a reset.
     #[pyo3(signature = (values=None, /, *, save=false))]
     fn config<'py>(
@@ -286,13 +286,13 @@ impl Drive {
         parameters::to_python(py, &parameters)
     }
 
-    /// Homes the axis: it moves slowly to its stop or switch, which references the counts. The drive must be armed, and
+    /// Homes the axis: it moves slowly to its stop or switch, which references the encoder. The drive must be armed, and
     /// stays so. An absolute encoder needs no homing, and nothing moves. Ctrl-C stops the drive.
     fn home(&self, py: Python<'_>) -> PyResult<()> {
         self.act(py, None, |client, meter| drive::home(client, &mut || meter.check()).map(drop))
     }
 
-    /// Moves the drive slowly to a place in mm, arming it if need be; returns where it is then, mm. It holds until it is
+    /// Moves the drive slowly to a position, mm, arming it if necessary, and returns its position then, mm. It holds until it is
     /// disarmed. Ctrl-C stops it.
     #[pyo3(signature = (rig, mm, /))]
     fn go_to(&self, py: Python<'_>, rig: RigOrSource, mm: f64) -> PyResult<f64> {
@@ -301,8 +301,8 @@ impl Drive {
         })
     }
 
-    /// Moves the drive slowly by a stretch in mm, at most 30 and no farther than its reach, arming it if need be; below 0
-    /// towards the retracted end. Returns where it is then, mm. It holds until it is disarmed. Ctrl-C stops it.
+    /// Moves the drive slowly by a distance, mm, at most 30 and no farther than its reach, arming it if necessary; negative:
+    /// towards the retracted end. Returns its position then, mm. It holds until it is disarmed. Ctrl-C stops it.
     #[pyo3(signature = (rig, mm, /))]
     fn jog(&self, py: Python<'_>, rig: RigOrSource, mm: f64) -> PyResult<f64> {
         self.move_slowly(py, &rig.0.rig, |rig, standing| {
@@ -310,8 +310,8 @@ impl Drive {
         })
     }
 
-    /// Downloads the test of a rig, arms, runs it to its end, and returns what was recorded. `config` downloads the
-    /// rig's parameters, too; `duration_s` replaces that of the test. Ctrl-C stops the drive. A closed loop then holds
+    /// Downloads the test of a rig, arms the drive, runs the test to its end, and returns the record. `config` downloads the
+    /// rig's parameters, too; `duration_s` replaces the duration of the test, s. Ctrl-C stops the drive. A closed loop then holds
     /// its last setpoint until it is disarmed.
     #[pyo3(signature = (rig, /, *, config=false, duration_s=None, progress=None))]
     fn run(
@@ -328,9 +328,9 @@ impl Drive {
         self.record(py, None)
     }
 
-    /// The same, but every Nth sample comes during the run, which may exceed the board's memory. With a file, they go
-    /// there, and what was streamed is returned at the end. Without one, a `Stream` gives them while the run lasts, and
-    /// who leaves its loop ends the run; `duration_s` may then be infinite.
+    /// Runs the test as `run` does, but receives every Nth sample during the run, which may exceed the board's memory. With a file, they go
+    /// there, and the streamed record is returned at the end. Without one, a `Stream` yields them while the run lasts, and
+    /// leaving its loop ends the run; `duration_s` may then be infinite.
     #[pyo3(signature = (rig, file=None, /, *, every=1, config=false, duration_s=None, progress=None))]
     #[expect(clippy::too_many_arguments, reason = "they are keywords in Python")]
     fn stream(
@@ -362,7 +362,7 @@ impl Drive {
         Ok(Target::of(py, name_of(&to.path), read)?.into_any())
     }
 
-    /// Runs the tests that a fit needs: the drive moves through most of its stroke, in open loop, too. Returns the records
+    /// Runs the tests that a fit needs: the drive moves through most of its stroke, also in open loop. Returns the records
     /// for `identify`. The drive is left as it was.
     fn run_identification_tests(&self, py: Python<'_>, rig: RigOrSource) -> PyResult<Vec<Py<Target>>> {
         let with_loop = |control_loop: Loop| {
@@ -373,7 +373,7 @@ impl Drive {
         files.into_iter().map(|(name, file)| Target::of(py, name, file)).collect()
     }
 
-    /// Downloads what was recorded last; a download that was interrupted is resumed.
+    /// Downloads the last record; resumes an interrupted download.
     #[pyo3(signature = (*, progress=None))]
     fn record(&self, py: Python<'_>, progress: Option<Py<PyAny>>) -> PyResult<Py<Target>> {
         let bar = progress::of(py, progress, "recording")?;

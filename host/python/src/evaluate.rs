@@ -32,8 +32,7 @@ fn part(transient: &Transient, within: [Option<f64>; 2]) -> anyhow::Result<Trans
     }
 }
 
-/// Evaluates the moves of a run, a record or a file. The members of the ensemble of a run are run again, so that every figure has
-/// its range.
+/// Evaluates the moves of a run, a record or a file. The perturbed runs of a run are repeated, so that every figure has a range.
 #[pyfunction]
 #[pyo3(signature = (transient, /, *, rig=None, tolerance_mm=None, from_s=None, to_s=None, progress=None))]
 pub fn evaluate(

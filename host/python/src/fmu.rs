@@ -28,8 +28,8 @@ fn of_package(py: Python<'_>) -> PyResult<PathBuf> {
 
 #[pymethods]
 impl Rig {
-    /// Writes an FMU: its `part` ("plant", "controller", or "drive", which is both) for FMI "3.0" or "2.0". `library` is the
-    /// library of FMUs, if the package came without it.
+    /// Writes an FMU of a `part` ("plant", "controller", or "drive", which is both) for FMI "3.0" or "2.0". `library` is the
+    /// path of the FMU library, for a package that came without it.
     #[pyo3(signature = (path, /, *, part="drive", fmi="3.0", library=None, overwrite=false))]
     fn export_fmu(
         &self,

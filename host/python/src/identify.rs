@@ -34,24 +34,24 @@ impl Record {
     }
 }
 
-/// What a parameter was found to be.
+/// The estimate of a parameter.
 #[pyclass(frozen, get_all, module = "pneudrive")]
 pub struct Estimate {
-    /// The key.
+    /// The key, such as "load.mass_kg".
     key: String,
-    /// Its unit.
+    /// The unit of the values.
     unit: String,
-    /// The value of the rig file.
+    /// The value of the rig file, in `unit`.
     file: f64,
-    /// The estimate.
+    /// The estimated value, in `unit`.
     value: f64,
-    /// Its standard error.
+    /// The standard error of `value`, in `unit`.
     standard_error: f64,
-    /// Ends of the interval.
+    /// The ends of the interval, in `unit`.
     interval: (f64, f64),
-    /// Whether that is one of 95 %: only where the model explains the data.
+    /// Whether `interval` is a 95 % interval: only if the model explains the data.
     is_95_percent: bool,
-    /// Keys whose assumed values the interval rests on more than on the data.
+    /// Keys whose assumed values determine the interval more than the data do.
     rests_on: Vec<String>,
 }
 
@@ -83,7 +83,7 @@ impl Estimate {
     }
 }
 
-/// A finished fit.
+/// The result of an identification.
 #[pyclass(frozen, module = "pneudrive")]
 pub struct Identification {
     rig: Rig,
@@ -91,7 +91,7 @@ pub struct Identification {
     numbers: Json,
 }
 
-/// Fits keys of a rig to recorded transients; without `fit`, those that are usually unknown. What it is doing goes to
+/// Fits keys of a rig to recorded transients; without `fit`, those that are usually unknown. Progress messages go to
 /// the logger `pneudrive`.
 #[pyfunction]
 #[pyo3(signature = (rig, targets, /, *, fit=None, tolerance=None, method=None))]
@@ -138,27 +138,27 @@ pub fn identify(
 
 #[pymethods]
 impl Identification {
-    /// Whether the search converged and what remains is noise.
+    /// Whether the search converged and the residuals are noise.
     #[getter]
     fn fits(&self) -> bool {
         self.found.fits
     }
 
-    /// The parameters that the data show.
+    /// The estimates of the parameters that the data show.
     #[getter]
     fn estimates(&self) -> Vec<Estimate> {
         self.numbers["parameters"].as_array().into_iter().flatten().map(Estimate::of).collect()
     }
 
-    /// Keys that the data do not show.
+    /// The keys of the parameters that the data do not show.
     #[getter]
     fn unseen(&self) -> Vec<&'static str> {
         self.found.unidentifiable.iter().map(|one| one.parameter.key.path).collect()
     }
 
-    /// The rig with the estimates.
+    /// Returns the rig with the estimated values.
     ///
-    /// A model that does not explain the transients gives none, unless `despite_misfit`.
+    /// A model that does not explain the transients raises `NotBorneOut`, unless `despite_misfit`.
     #[pyo3(signature = (*, despite_misfit=false))]
     fn fitted(&self, despite_misfit: bool) -> PyResult<Rig> {
         if !self.found.fits && !despite_misfit {
@@ -176,13 +176,13 @@ impl Identification {
         Rig::read((self.rig.source.0.clone(), text), Vec::new())
     }
 
-    /// What has to be known before the numbers are used, a sentence each.
+    /// Notes to read before the numbers are used, one sentence each.
     #[getter]
     fn notes(&self) -> Vec<String> {
         report::notes(&self.found)
     }
 
-    /// All numbers, as identification.json has them.
+    /// All numbers, as in identification.json.
     fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         Ok(values::json_to_python(py, &self.numbers)?.cast_into()?)
     }

@@ -5,7 +5,7 @@ use pyo3::types::{PyIterator, PyTuple};
 
 use crate::channels::array;
 
-/// A plant about a state: x' = rates + A (x - state) + B (u - input), y = output + C (x - state) + D (u - input).
+/// A plant linearised about a state: x' = rates + A (x - state) + B (u - input), y = output + C (x - state) + D (u - input).
 /// Iterated, it gives A, B, C and D.
 #[pyclass(frozen, module = "pneudrive")]
 pub struct LinearModel(pub pneudrive_sim::LinearModel);
@@ -22,7 +22,7 @@ fn column<'py>(py: Python<'py>, values: &[f64]) -> PyResult<Bound<'py, PyAny>> {
 #[pymethods]
 #[allow(non_snake_case, reason = "the matrices have these names everywhere")]
 impl LinearModel {
-    /// Names of the states, with their units.
+    /// The names of the states, with their units.
     #[getter]
     fn states(&self) -> Vec<&'static str> {
         self.0.states.clone()
@@ -34,43 +34,43 @@ impl LinearModel {
         ["command_counts"]
     }
 
-    /// Names of the outputs, with their units: those of `Plant.state`.
+    /// The names of the outputs, with their units: those of `Plant.state`.
     #[getter]
     fn outputs(&self) -> Vec<&'static str> {
         self.0.outputs.clone()
     }
 
-    /// Slopes of the rates over the states: a row a state, in units of the states per s.
+    /// The derivatives of the rates by the states: one row per state, in units of the states per s.
     #[getter]
     fn A<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         matrix(py, &self.0.a)
     }
 
-    /// Slopes of the rates over the input: one column.
+    /// The derivatives of the rates by the input, per count: one column.
     #[getter]
     fn B<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         column(py, &self.0.b)
     }
 
-    /// Slopes of the outputs over the states: a row an output.
+    /// The derivatives of the outputs by the states: one row per output.
     #[getter]
     fn C<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         matrix(py, &self.0.c)
     }
 
-    /// Slopes of the outputs over the input: one column.
+    /// The derivatives of the outputs by the input, per count: one column.
     #[getter]
     fn D<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         column(py, &self.0.d)
     }
 
-    /// The state that it is about.
+    /// The state of linearisation, in the units of `states`.
     #[getter]
     fn state<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         array(py, self.0.state.clone())
     }
 
-    /// The rates there; zero in an equilibrium.
+    /// The rates of the states there, in units of the states per s; zero in an equilibrium.
     #[getter]
     fn rates<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         array(py, self.0.rates.clone())
@@ -82,7 +82,7 @@ impl LinearModel {
         array(py, vec![self.0.command_counts])
     }
 
-    /// The outputs there.
+    /// The outputs there, in the units of `outputs`.
     #[getter]
     fn output<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         array(py, self.0.output.clone())

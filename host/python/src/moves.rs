@@ -8,18 +8,18 @@ use serde_json::Value as Json;
 
 use crate::values;
 
-/// A figure of a move, with what it rests on.
+/// A figure of a move, with its range over the runs.
 #[pyclass(frozen, get_all, module = "pneudrive")]
 pub struct Figure {
-    /// Of the run or the record itself; None if it does not show it.
+    /// The figure of the run or the record itself; None if it does not show it.
     value: Option<f64>,
-    /// The least over the run and its perturbed runs; None without perturbed runs.
+    /// The smallest figure over the run and its perturbed runs; None without perturbed runs.
     least: Option<f64>,
-    /// The most over them.
+    /// The largest figure over them; None without perturbed runs.
     most: Option<f64>,
-    /// How many of the runs do not show it.
+    /// The number of runs that do not show the figure.
     runs_without: u64,
-    /// How many runs it rests on.
+    /// The number of runs.
     runs: usize,
 }
 
@@ -40,14 +40,14 @@ impl Figure {
         format!("<Figure {}{range}{without}>", word(self.value))
     }
 
-    /// The value; an error where there is none.
+    /// Returns the value; raises an error if there is none.
     fn __float__(&self) -> PyResult<f64> {
         self.value
             .ok_or_else(|| pyo3::exceptions::PyValueError::new_err("the move does not show this figure"))
     }
 }
 
-/// A move and what was measured of it.
+/// A move and its figures.
 #[pyclass(frozen, module = "pneudrive")]
 pub struct Move {
     number: usize,
@@ -77,14 +77,13 @@ impl Move {
 
 #[pymethods]
 impl Move {
-    /// 1 for the first move of the test.
+    /// The number of the move: 1 for the first move of the test.
     #[getter]
     fn number(&self) -> usize {
         self.number
     }
 
-    /// How many runs end at rest ("none"), in a limit cycle ("sustained"), and in neither that is decidable
-    /// ("undecided").
+    /// The number of runs that end at rest ("none"), in a limit cycle ("sustained"), or undecided ("undecided").
     #[getter]
     fn limit_cycle_runs<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         values::json_to_python(py, &self.figures["limit_cycle_runs"])
@@ -102,7 +101,7 @@ impl Move {
         own.into_iter().chain(self.names().cloned()).collect()
     }
 
-    /// The value of each figure by its name; None where the move does not show it.
+    /// The value of each figure by name; None if the move does not show it.
     fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let dict = PyDict::new(py);
         dict.set_item("number", self.number)?;
@@ -130,14 +129,14 @@ pub fn of_runs(runs: &[Vec<evaluation::Move>]) -> Vec<Move> {
     own.zip(moves).map(|(number, figures)| Move { number, runs, figures }).collect()
 }
 
-/// What a transient tells about its moves.
+/// The moves of a transient with their figures.
 #[pyclass(frozen, get_all, module = "pneudrive")]
 pub struct Evaluation {
-    /// The moves, in their order.
+    /// The moves, in order.
     moves: Vec<Py<Move>>,
-    /// What else there is to say of them.
+    /// Remarks on the moves, one sentence each.
     remarks: Vec<String>,
-    /// How many runs the figures rest on: the run and its perturbed runs, or 1.
+    /// The number of runs behind the figures: the run and its perturbed runs, or 1.
     runs: usize,
     /// The figures as a table of text.
     text: String,

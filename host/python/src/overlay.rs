@@ -11,28 +11,28 @@ use crate::source::Source;
 use crate::transient::Transient;
 use crate::work;
 
-/// How far a channel of one transient is from that of another.
+/// The deviation of a channel of one transient from the same channel of another.
 #[pyclass(frozen, get_all, module = "pneudrive")]
 pub struct Deviation {
-    /// Name of the channel.
+    /// The name of the channel.
     channel: &'static str,
-    /// Its unit.
+    /// The unit of the channel.
     unit: &'static str,
-    /// Instants that were compared.
+    /// The number of compared instants.
     samples: usize,
-    /// Mean difference.
+    /// The mean difference, in `unit`.
     mean: f64,
-    /// Standard deviation of the difference.
+    /// The standard deviation of the difference, in `unit`.
     standard_deviation: f64,
-    /// Mean of the squared difference.
+    /// The mean squared difference, in the square of `unit`.
     mean_square: f64,
-    /// Largest difference.
+    /// The largest difference, in `unit`.
     largest: f64,
-    /// Root of the mean square as a fraction of the reference's range; NaN for a constant channel.
+    /// The root mean square as a fraction of the reference's range; NaN for a constant channel.
     fraction_of_range: f64,
-    /// Fraction of the samples that lie in the band of a run and its perturbed runs; None without perturbed runs.
+    /// The fraction of the samples within the band of a run and its perturbed runs; None without perturbed runs.
     inside_band: Option<f64>,
-    /// Root of the mean square of the distance to that band, 0 inside; None without perturbed runs.
+    /// The root mean square of the distance to that band, in `unit`, 0 inside; None without perturbed runs.
     rms_beyond_band: Option<f64>,
 }
 
@@ -64,14 +64,14 @@ impl Deviation {
     }
 }
 
-/// The deviations of others from a reference.
+/// The deviations of transients from a reference.
 #[pyclass(frozen, get_all, module = "pneudrive")]
 pub struct Overlay {
-    /// The transients as they were compared, the reference first.
+    /// The compared transients, the reference first.
     transients: Vec<Py<Transient>>,
     /// The deviations of each of the others from the reference, channel by channel.
     deviations: Vec<Vec<Py<Deviation>>>,
-    /// How far each of the others was shifted, s.
+    /// The time shift of each of the others, s.
     shifts_s: Vec<f64>,
     /// The deviations as tables of text.
     text: String,
@@ -87,7 +87,7 @@ impl Overlay {
         format!("<Overlay of {} transients>", self.transients.len())
     }
 
-    /// Draws the transients on the same axes; returns a matplotlib figure.
+    /// Draws the transients on the same axes and returns a matplotlib figure.
     #[pyo3(signature = (channels=None))]
     fn plot<'py>(&self, py: Python<'py>, channels: Option<Vec<String>>) -> PyResult<Bound<'py, PyAny>> {
         let transients: Vec<_> = self.transients.iter().map(|one| one.clone_ref(py)).collect();
@@ -95,8 +95,8 @@ impl Overlay {
     }
 }
 
-/// Compares transients with a reference, channel by channel, at the instants that both cover. `align` moves them in
-/// time: "start" not at all, "move" by their first moves, "correlation" to where the positions agree best.
+/// Compares transients with a reference, channel by channel, at the instants that both cover. `align` shifts them in
+/// time: "start" not at all, "move" to align their first moves, "correlation" for the best agreement of the positions.
 #[pyfunction]
 #[pyo3(signature = (reference, *others, align="start"))]
 pub fn overlay(py: Python<'_>, reference: Source, others: Vec<Source>, align: &str) -> PyResult<Overlay> {

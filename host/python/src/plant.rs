@@ -137,7 +137,7 @@ impl Now {
 
 #[pymethods]
 impl Plant {
-    /// The plant in the initial state of the rig's test. `seed` is for the noise of its sensors.
+    /// Makes the plant in the initial state of the rig's test. `seed` is that of the sensor noise.
     #[new]
     #[pyo3(signature = (rig, /, *, seed=0, tolerance=None, method=None))]
     fn new(rig: RigOrSource, seed: u64, tolerance: Option<f64>, method: Option<String>) -> PyResult<Plant> {
@@ -148,21 +148,21 @@ impl Plant {
         Ok(Plant { now: made.at_start(seed)?, seed, made: Arc::new(made) })
     }
 
-    /// Its rig.
+    /// The rig of the plant.
     #[getter]
     fn rig(&self) -> Rig {
         self.made.rig.clone()
     }
 
-    /// The readings of the sensors at the present sample.
+    /// Returns the readings of the sensors at the present sample, in raw units.
     fn sample(&self) -> PyResult<Sample> {
         self.now.check()?;
         Ok(self.now.sample.into())
     }
 
-    /// To the next sample, with this command in force from the output in between; returns that sample. With `n`, on
-    /// through n samples, the command held: returns what is seen at each, a row a sample, with the keys of `state`, and
-    /// the readings of the sensors as integers.
+    /// Advances to the next sample, with this command in force from the output in between, and returns that sample. With
+    /// `n`, advances n samples with the command held, and returns one row per sample with the keys of `state` and the
+    /// readings of the sensors as integers.
     #[pyo3(signature = (command, n=None))]
     fn advance<'py>(
         &mut self,
@@ -183,8 +183,8 @@ impl Plant {
         Ok(Bound::new(py, Channels::new(move || columns(&rows)))?.into_any())
     }
 
-    /// Back to the initial state of the rig's test; the noise of the sensors begins anew, from another seed if one is
-    /// given. Returns the sample there.
+    /// Returns to the initial state of the rig's test and restarts the sensor noise, with another seed if one is given.
+    /// Returns the sample there.
     #[pyo3(signature = (*, seed=None))]
     fn reset(&mut self, seed: Option<u64>) -> PyResult<Sample> {
         self.seed = seed.unwrap_or(self.seed);
@@ -192,7 +192,7 @@ impl Plant {
         self.sample()
     }
 
-    /// A plant that goes on as this one would, in every bit.
+    /// Returns a copy, which continues bit for bit as this plant would.
     fn copy(&self) -> Plant {
         self.clone()
     }
@@ -205,7 +205,7 @@ impl Plant {
         self.clone()
     }
 
-    /// Goes back, or over, to where another plant of the same rig is: from there both go on alike, in every bit.
+    /// Takes the state of another plant of the same rig: from there both continue alike, bit for bit.
     fn restore(&mut self, kept: PyRef<'_, Plant>) -> PyResult<()> {
         if !Arc::ptr_eq(&self.made, &kept.made) && !self.made.is_like(&kept.made) {
             return Err(PyValueError::new_err(
@@ -216,7 +216,7 @@ impl Plant {
         Ok(())
     }
 
-    /// The time and the quantities of the plant at the present sample, SI except where the name says otherwise.
+    /// The time and the quantities of the plant at the present sample, in SI units unless the name says otherwise.
     #[getter]
     fn state<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         self.now.check()?;
@@ -230,7 +230,7 @@ impl Plant {
         Ok(dict)
     }
 
-    /// The plant about its present state as a linear system with the command as input.
+    /// Linearises the plant about its present state, with the command as input.
     fn linearise(&mut self) -> PyResult<LinearModel> {
         self.now.check()?;
         let plant = &mut self.now.plant;
@@ -284,9 +284,9 @@ impl Plant {
     }
 }
 
-/// Takes plants through samples side by side, on all processors.
+/// Advances plants through samples in parallel, on all processors.
 ///
-/// `commands` is a table of counts, a row a plant and a column a sample; for a stepper `steps` is one of its pulses.
+/// `commands` is a table of counts with one row per plant and one column per sample; for a stepper `steps` is one of its pulses.
 /// Returns the columns of `Plant.advance(command, n)` as arrays of the same shape.
 #[pyfunction]
 #[pyo3(signature = (plants, commands, *, steps=None))]

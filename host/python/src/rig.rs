@@ -21,7 +21,7 @@ pub const VALUES: &str = "values";
 /// What the reader of rig files calls settings.
 const SETTINGS: &str = "--set";
 
-/// One drive and one test, valid.
+/// A valid rig: one drive and one test.
 #[pyclass(frozen, module = "pneudrive", from_py_object)]
 #[derive(Clone, Debug)]
 pub struct Rig {
@@ -129,7 +129,7 @@ fn renamed(mut problems: Problems) -> Problems {
     problems
 }
 
-/// A rig by name, file or values.
+/// Makes a rig from a built-in name, a file or values.
 fn source_of(what: &Bound<'_, PyAny>) -> PyResult<((String, String), Vec<String>)> {
     if let Ok(values) = what.cast::<PyMapping>() {
         return Ok(((VALUES.to_owned(), String::new()), settings_of(values)?));
@@ -194,7 +194,7 @@ impl Rig {
         rig.with_(None, keys)
     }
 
-    /// This rig with other values: `rig.with_(load__mass_kg=2)` or `rig.with_({"load.mass_kg": 2})`.
+    /// Returns this rig with other values: `rig.with_(load__mass_kg=2)` or `rig.with_({"load.mass_kg": 2})`.
     #[pyo3(signature = (values=None, /, **keys))]
     fn with_(
         &self,
@@ -207,7 +207,7 @@ impl Rig {
         Rig::made(self.source.clone(), [self.settings.clone(), set].concat(), plant)
     }
 
-    /// This rig with a plant that has other values, which its controller does not know: it was made for those of this rig.
+    /// Returns this rig with other values of its plant, unknown to its controller, which keeps those of this rig.
     #[pyo3(signature = (values=None, /, **keys))]
     fn with_plant(
         &self,
@@ -219,19 +219,19 @@ impl Rig {
         Rig::made(self.source.clone(), self.settings.clone(), plant)
     }
 
-    /// The rig that its controller knows.
+    /// The rig as its controller knows it.
     #[getter]
     fn nominal(&self) -> PyResult<Rig> {
         Rig::read(self.source.clone(), self.settings.clone())
     }
 
-    /// What the rig is called.
+    /// The name of the rig.
     #[getter]
     fn name(&self) -> &str {
         self.rig.name()
     }
 
-    /// The value of a key, such as "load.mass_kg"; None of a key that is left out.
+    /// Returns the value of a key, such as "load.mass_kg", in the unit that its name states; None for a key that is left out.
     fn __getitem__<'py>(&self, py: Python<'py>, path: &str) -> PyResult<Bound<'py, PyAny>> {
         match self.rig.value(path) {
             Some(value) => values::to_python(py, value),
@@ -244,7 +244,7 @@ impl Rig {
         self.rig.value(path).is_some()
     }
 
-    /// All keys that have a value, with it.
+    /// The values of all keys that have one, by key.
     fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let dict = PyDict::new(py);
         for (key, value) in self.rig.entries() {
@@ -253,22 +253,22 @@ impl Rig {
         Ok(dict)
     }
 
-    /// Keys that were given and have no effect.
+    /// The keys that are given but have no effect.
     #[getter]
     fn unused(&self) -> Vec<&'static str> {
         self.rig.unused()
     }
 
-    /// Where a value comes from: the kind of source, the ends between which it lies (None if the file does not say),
-    /// and what the file says of it.
+    /// The origin of a value: the kind of source, the range of the value in the unit of the key (None if the file states none),
+    /// and the comment of the file.
     fn origin(&self, path: &str) -> PyResult<Origin> {
         let key = find_key(path).ok_or_else(|| PyKeyError::new_err(unknown(path)))?;
         let origin = self.rig.origin(key);
         Ok((origin.source.word(), origin.range.map(|[low, high]| (low, high)), origin.from))
     }
 
-    /// A rig whose plant has physical values drawn within a fraction of this one's, as a real drive has. Its controller
-    /// knows those of this rig.
+    /// Returns a rig whose physical values are drawn within a fraction of this one's, as those of a real drive are. Its
+    /// controller knows those of this rig.
     #[pyo3(signature = (fraction, /, *, seed))]
     fn spread(&self, fraction: f64, seed: u64) -> PyResult<Rig> {
         let drawn =
@@ -279,7 +279,7 @@ impl Rig {
         Rig::made(self.source.clone(), self.settings.clone(), plant)
     }
 
-    /// The rig file.
+    /// Returns the text of the rig file.
     fn to_toml(&self) -> PyResult<String> {
         self.text()
     }
@@ -315,7 +315,7 @@ impl Rig {
     }
 }
 
-/// A key of a rig file: its path, type, unit, default, and the help text of `pneudrive rig explain`.
+/// The keys of a rig file, each with its path, type, unit, default, and the help text of `pneudrive rig explain`.
 #[pyfunction]
 pub fn keys(py: Python<'_>) -> PyResult<Vec<Bound<'_, PyDict>>> {
     let one = |key: &'static pneudrive_sim::rig::Key| {
@@ -350,7 +350,7 @@ fn type_of(kind: &Kind, preset: &Preset) -> String {
     if matches!(preset, Preset::Absent(_)) { format!("{plain} | None") } else { plain.to_owned() }
 }
 
-/// The help text of a key, of all keys of a table, of a number of the thesis, or a list of all keys (for "").
+/// Returns the help text of a key, of all keys of a table or of a number of the thesis, or a list of all keys (for "").
 #[pyfunction]
 #[pyo3(signature = (name="", /))]
 pub fn explain(name: &str) -> PyResult<String> {
@@ -361,7 +361,7 @@ fn explained(name: &str) -> PyResult<String> {
     pneudrive_sim::rig::explain(name).map_err(|problem| of_problems(&Problems(vec![problem])))
 }
 
-/// Names of the built-in rigs.
+/// The names of the built-in rigs.
 #[pyfunction]
 pub fn builtin_rigs() -> Vec<&'static str> {
     pneudrive_sim::rigfile::BUILTIN.iter().map(|(name, _)| *name).collect()

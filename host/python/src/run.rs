@@ -171,9 +171,9 @@ fn simulate(py: Python<'_>, rig: &Rig, plan: Plan, progress: Option<Py<PyAny>>) 
 
 #[pymethods]
 impl Rig {
-    /// Runs the test. `ensemble` counts the run and its perturbed runs, whose mass and starting position differ by next to
-    /// nothing; figures are ranges over them. `check_convergence` asks whether the integration error could change an encoder
-    /// count. `columns` adds columns of the air inside the valve. The interpreter's lock is released.
+    /// Simulates the test. `ensemble` is the number of runs: the run itself and its perturbed runs, whose mass and starting
+    /// position differ very slightly; figures are ranges over them. `check_convergence` checks whether the integration error
+    /// could change an encoder count. `columns` adds columns of the air inside the valve. The interpreter's lock is released.
     #[pyo3(signature = (*, ensemble=8, check_convergence=true, columns=Vec::new(), tolerance=None, method=None, progress=None))]
     #[expect(clippy::too_many_arguments, reason = "they are keywords in Python")]
     fn simulate(
@@ -201,18 +201,18 @@ fn channels(rig: &Rig, judged: &Arc<Judged>) -> Channels {
     })
 }
 
-/// Whether the transient of a run has converged, or the error of its integration chose it.
+/// The convergence of a run: whether its transient could depend on the integration error.
 #[pyclass(frozen, get_all, module = "pneudrive")]
 pub struct Converged {
-    /// Whether the exact transient is this one.
+    /// Whether the run shows the exact transient.
     is_converged: bool,
-    /// From when on the exact transient may be another one, s; None for a run that has converged.
+    /// The time from which the exact transient may differ, s; None for a run that has converged.
     unconverged_from_s: Option<f64>,
-    /// Estimated error of the positions, the largest of the run, m.
+    /// The largest estimated error of the positions of the run, m.
     error_m: f64,
-    /// How near a sampled position came to another count, m; None where no encoder is in the loop.
+    /// The smallest distance of a sampled position from the edge of its count, m; None without an encoder in the loop.
     closest_edge_m: Option<f64>,
-    /// The same in words.
+    /// The result in words.
     text: String,
 }
 
@@ -234,11 +234,11 @@ impl Converged {
 /// The fault that ended the control of a run.
 #[pyclass(frozen, get_all, module = "pneudrive")]
 pub struct Trip {
-    /// Its name, such as "position-outside".
+    /// The name of the fault, such as "position-outside".
     fault: &'static str,
-    /// What it means and what to do.
+    /// The meaning of the fault and its remedy.
     meaning: &'static str,
-    /// The sample at which it tripped.
+    /// The number of the sample at which the drive tripped.
     sample: u32,
 }
 
@@ -257,7 +257,7 @@ impl Run {
         self.rig.clone()
     }
 
-    /// Whether the run has converged; None if that was not asked.
+    /// The convergence of the run; None if it was not checked.
     #[getter]
     fn convergence(&self) -> Option<Converged> {
         let convergence = &self.judged.convergence;
@@ -270,7 +270,7 @@ impl Run {
         })
     }
 
-    /// The fault that ended the control; None if none did.
+    /// The fault that ended the control; None without one.
     #[getter]
     fn trip(&self) -> Option<Trip> {
         let trip = |(fault, sample): (pneudrive_controller::Fault, u32)| Trip {
@@ -281,32 +281,32 @@ impl Run {
         self.judged.run.fault.map(trip)
     }
 
-    /// How many runs its figures rest on: itself and its perturbed runs.
+    /// The number of runs behind the figures: the run and its perturbed runs.
     #[getter]
     fn ensemble(&self) -> usize {
         self.measured().len()
     }
 
-    /// Its moves, with figures as ranges over the run and its perturbed runs.
+    /// The moves, with figures as ranges over the run and its perturbed runs.
     #[getter]
     fn moves(&self) -> Vec<Move> {
         of_runs(self.measured())
     }
 
-    /// What is to be known of it, a sentence each.
+    /// Notes on the run, one sentence each.
     #[getter(notes)]
     fn its_notes(&self) -> Vec<String> {
         self.notes()
     }
 
-    /// Steps of the integrator.
+    /// The number of integrator steps.
     #[getter]
     fn steps(&self) -> u64 {
         self.judged.run.work.integrator.n_steps
     }
 
-    /// Lowest and highest values over the run and its perturbed runs, at the run's own instants: a pair of arrays for each
-    /// channel. Empty without perturbed runs.
+    /// The lowest and highest values over the run and its perturbed runs, at the run's own instants: a pair of arrays for each
+    /// channel, in its unit. Empty without perturbed runs.
     #[getter]
     fn band<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let dict = PyDict::new(py);
@@ -318,8 +318,8 @@ impl Run {
         Ok(dict)
     }
 
-    /// The integers of the controller, a sample each: what every execution level repeats in every bit. A pressure that the rig does not
-    /// measure is NaN.
+    /// The controller's integers, one row per sample, which every execution level repeats bit for bit. A pressure that the rig does
+    /// not measure is NaN.
     #[getter]
     fn samples(&self, py: Python<'_>) -> PyResult<Py<Channels>> {
         let judged = Arc::clone(&self.judged);
@@ -353,7 +353,7 @@ impl Run {
         })
     }
 
-    /// Draws position, pressures, spool and command; returns a matplotlib figure.
+    /// Draws position, pressures, spool and command, and returns a matplotlib figure.
     #[pyo3(signature = (channels=None))]
     fn plot<'py>(slf: Bound<'py, Run>, channels: Option<Vec<String>>) -> PyResult<Bound<'py, PyAny>> {
         slf.py().import("pneudrive.plot")?.call_method1("run", (&slf, channels))

@@ -176,7 +176,7 @@ fn columns(rows: &[StreamedSample], units: &Units) -> Columns {
     ]
 }
 
-/// The samples of a run while it lasts: each turn of a loop gives those that have come since the last one, as columns.
+/// The samples of a run in progress: each iteration yields those that have arrived since the last one, as columns.
 /// Leaving the loop ends the run.
 #[pyclass(frozen, module = "pneudrive")]
 pub struct Stream {
@@ -217,12 +217,12 @@ impl Stream {
         false
     }
 
-    /// Stops the run, unless it is over. Rows that have come can still be taken.
+    /// Stops the run, unless it is over. Rows that have arrived can still be read.
     fn close(&self, py: Python<'_>) {
         py.detach(|| self.live.end());
     }
 
-    /// Rows that the link has lost for good; None while the run lasts.
+    /// The number of rows lost on the link; None while the run lasts.
     #[getter]
     fn lost(&self) -> Option<u64> {
         let come = lock(&self.live.come);

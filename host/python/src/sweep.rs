@@ -93,7 +93,7 @@ fn of_rig(rig: &Rig, parts: &Parts<'_>) -> PyResult<Sweep> {
     })
 }
 
-/// Runs a sweep: of a file, or of a rig with what varies and what is collected. The tables are those of a sweep file
+/// Runs the sweep of a file, or of a rig with varied keys and collected figures. The tables are those of a sweep file
 /// (docs/reference/commands.md, `pneudrive help sweep`), and the result does not depend on the number of threads. With a `client`
 /// of Dask, the workers of its cluster run it.
 #[pyfunction]

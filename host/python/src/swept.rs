@@ -26,7 +26,7 @@ fn refuse_failure(rows: &[Row]) -> Result<()> {
     }
 }
 
-/// The result of a sweep: a row a point.
+/// The result of a sweep: one row per point.
 #[pyclass(frozen, extends = Channels, mapping, module = "pneudrive")]
 pub struct SweepResult {
     swept: Arc<(Sweep, Vec<Row>)>,
@@ -83,21 +83,21 @@ fn converged(row: &Row) -> &'static str {
 
 #[pymethods]
 impl SweepResult {
-    /// The best of the allowed points by the objective: its number; None without an objective, and if none is allowed.
+    /// The number of the allowed point that is best by the objective; None without an objective or an allowed point.
     #[getter]
     fn best(&self) -> Option<usize> {
         let (sweep, rows) = &*self.swept;
         sweep.best(rows).map(|row| row.point)
     }
 
-    /// Whether each point ran to its end and keeps all constraints.
+    /// Whether each point ran to its end and satisfies all constraints.
     #[getter]
     fn allowed(&self) -> Vec<bool> {
         let (sweep, rows) = &*self.swept;
         rows.iter().map(|row| sweep.allows(row)).collect()
     }
 
-    /// The rig of a point.
+    /// Returns the rig of a point.
     fn rig(&self, point: usize) -> PyResult<Rig> {
         let (sweep, rows) = &*self.swept;
         if point >= rows.len() {
@@ -110,15 +110,14 @@ impl SweepResult {
         Rig::read((name, text), sweep.settings_of(point).concat())
     }
 
-    /// The varied quantities that are not drawn, in their order.
+    /// The varied quantities that are not drawn, in order.
     #[getter]
     fn axes(&self) -> Vec<String> {
         let axes = self.swept.0.axes.iter().filter(|axis| !axis.drawn);
         axes.map(|axis| axis.name.clone()).collect()
     }
 
-    /// As an `xarray.Dataset` over the axes. Where values are drawn it has the dimension `draw`, too, and they are among
-    /// its variables.
+    /// The result as an `xarray.Dataset` over the axes. Drawn values add the dimension `draw` and are variables of it.
     fn to_xarray<'py>(slf: PyRef<'_, SweepResult>, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let mut axes = slf.axes();
         if slf.swept.0.is_drawn() {
@@ -127,7 +126,7 @@ impl SweepResult {
         slf.as_super().over(py, axes)
     }
 
-    /// The result as `pneudrive sweep` writes it, byte for byte.
+    /// Returns the result as CSV, byte for byte as `pneudrive sweep` writes it.
     fn to_csv(&self) -> String {
         let (sweep, rows) = &*self.swept;
         let lines = std::iter::once(sweep.header()).chain(rows.iter().map(|row| row.to_csv(sweep)));

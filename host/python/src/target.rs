@@ -12,7 +12,7 @@ use crate::channels::{Channels, Column, Columns};
 use crate::transient::Transient;
 use crate::work;
 
-/// A TARGET file, or what has been streamed of a run.
+/// A TARGET file or a streamed run.
 #[pyclass(frozen, extends = Channels, mapping, module = "pneudrive")]
 pub struct Target {
     /// Its name, for messages.
@@ -73,13 +73,13 @@ impl Target {
         Target::of(py, name_of(&path), file)
     }
 
-    /// The file's name.
+    /// The name of the file.
     #[getter]
     fn name(&self) -> &str {
         &self.name
     }
 
-    /// The lines of the header by their keys.
+    /// The lines of the header by key.
     #[getter]
     fn header<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let dict = PyDict::new(py);
@@ -89,18 +89,18 @@ impl Target {
         Ok(dict)
     }
 
-    /// The channels in mm, kPa and counts over time.
+    /// Returns the channels in mm, kPa and counts over time.
     #[pyo3(name = "transient")]
     fn to_transient(&self, py: Python<'_>) -> PyResult<Py<Transient>> {
         Transient::of(py, work::at_once(|| self.transient())?)
     }
 
-    /// Writes it under the next free number, TARGET01.DAT, TARGET02.DAT, ..., into a folder; returns its path.
+    /// Writes the file into a folder under the next free number, TARGET01.DAT, TARGET02.DAT, ..., and returns its path.
     fn save_next(&self, folder: PathBuf) -> PyResult<PathBuf> {
         work::at_once(|| self.file.write_next(&folder))
     }
 
-    /// Draws the channels; returns a matplotlib figure.
+    /// Draws the channels and returns a matplotlib figure.
     #[pyo3(signature = (channels=None))]
     fn plot<'py>(&self, py: Python<'py>, channels: Option<Vec<String>>) -> PyResult<Bound<'py, PyAny>> {
         py.import("pneudrive.plot")?.call_method1("transients", ([self.to_transient(py)?], channels))

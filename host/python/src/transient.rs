@@ -40,25 +40,25 @@ impl Transient {
         Transient::of(py, read)
     }
 
-    /// Where it comes from.
+    /// The origin of the transient.
     #[getter]
     fn name(&self) -> &str {
         &self.transient.name
     }
 
-    /// What its test is called.
+    /// The name of the test.
     #[getter]
     fn test(&self) -> &str {
         &self.transient.test
     }
 
-    /// Times before and after each place where samples are missing, s.
+    /// The times of the samples before and after each gap, s.
     #[getter]
     fn gaps(&self) -> Vec<(f64, f64)> {
         self.transient.gaps.iter().map(|[before, after]| (*before, *after)).collect()
     }
 
-    /// Time between two samples, s.
+    /// The sample period, s.
     #[getter]
     fn period_s(&self) -> f64 {
         self.transient.period_s()

@@ -18,14 +18,14 @@ use crate::errors::OrRaise;
 use crate::rig::{Rig, RigOrSource};
 use crate::{progress, values, work};
 
-/// In how many draws a goal is met.
+/// The share of draws that meet a goal.
 #[pyclass(frozen, get_all, module = "pneudrive")]
 pub struct Share {
-    /// Draws in which it is met.
+    /// The number of draws that meet the goal.
     met: usize,
-    /// All draws.
+    /// The number of draws.
     of: usize,
-    /// Ends of the 95 % interval of the share among all draws there could be.
+    /// The ends of the 95 % interval of the share in the whole population, 0 to 1.
     interval: (f64, f64),
 }
 
@@ -43,7 +43,7 @@ impl Share {
     }
 }
 
-/// Gains, and what they do.
+/// The result of a tuning: gains and how well they meet the goal.
 #[pyclass(frozen, module = "pneudrive")]
 pub struct Tuned {
     task: Task,
@@ -162,7 +162,7 @@ fn fixed(rig: &Rig, fix: Option<&Bound<'_, PyAny>>) -> PyResult<Vec<String>> {
     Ok(fix.extract::<Vec<String>>()?.into_iter().map(own).collect())
 }
 
-/// Looks for gains with which a step settles over a spread of load, friction and supply. Sizes have the names of the
+/// Searches for gains with which a step settles over a spread of load, friction and supply. Sizes have the names of the
 /// command's options: step_mm, tolerance_mm, overshoot_percent, time_s; load, friction, supply, valve as fractions; lowest_mm,
 /// highest_mm; draws, population, generations (0: judge the gains of the rig), seed.
 #[pyfunction]
@@ -200,37 +200,37 @@ pub fn tune(
 
 #[pymethods]
 impl Tuned {
-    /// The rig with the gains that were found.
+    /// The rig with the gains found.
     #[getter]
     fn rig(&self) -> Rig {
         self.rig.clone()
     }
 
-    /// What was found, as `key=value`; nothing: the gains of the rig.
+    /// The gains found, as `key=value`; empty: those of the rig.
     #[getter]
     fn settings(&self) -> Vec<String> {
         self.tuned.after.settings.clone()
     }
 
-    /// In how many of the fresh draws the goal is met.
+    /// The share of fresh draws that meet the goal.
     #[getter]
     fn met(&self) -> Share {
         self.tuned.after.met(&self.task.goal).into()
     }
 
-    /// The same with the gains of the rig.
+    /// The same share with the original gains of the rig.
     #[getter]
     fn met_before(&self) -> Share {
         self.tuned.before.met(&self.task.goal).into()
     }
 
-    /// Runs in all.
+    /// The total number of runs.
     #[getter]
     fn runs(&self) -> usize {
         self.tuned.runs
     }
 
-    /// What is to be known, a sentence each.
+    /// Notes on the result, one sentence each.
     #[getter]
     fn notes(&self) -> Vec<String> {
         report::notes(&self.task, &self.tuned)

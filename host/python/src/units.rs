@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 
 use crate::rig::RigOrSource;
 
-/// The integers of a rig in SI, and back: numbers, or arrays of them.
+/// Conversions between a rig's integers and SI units, for numbers and arrays.
 #[pyclass(frozen, module = "pneudrive")]
 pub struct Units {
     position: Scale,
@@ -48,7 +48,7 @@ const STEPS: &str = "the spool of a stepper is counted in steps";
 
 #[pymethods]
 impl Units {
-    /// The units of a rig.
+    /// Makes the units of a rig.
     #[new]
     #[pyo3(signature = (rig, /))]
     fn new(rig: RigOrSource) -> Units {
@@ -66,37 +66,37 @@ impl Units {
         }
     }
 
-    /// Positions or distances of the encoder, m.
+    /// Converts positions or distances of the encoder from counts to m.
     fn position_m<'py>(&self, counts: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         self.position.of(counts)
     }
 
-    /// The counts nearest to positions or distances in m.
+    /// Converts positions or distances from m to the nearest counts.
     fn position_counts<'py>(&self, m: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         self.position.counts(m)
     }
 
-    /// Absolute pressures, Pa.
+    /// Converts raw pressures to absolute ones, Pa.
     fn pressure_pa<'py>(&self, raw: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         known(self.pressure, NO_PRESSURES)?.of(raw)
     }
 
-    /// The raw pressures nearest to absolute ones in Pa.
+    /// Converts absolute pressures from Pa to the nearest raw ones.
     fn pressure_raw<'py>(&self, pa: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         known(self.pressure, NO_PRESSURES)?.counts(pa)
     }
 
-    /// Spool displacements, m.
+    /// Converts raw spool displacements to m.
     fn spool_m<'py>(&self, raw: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         known(self.spool, STEPS)?.of(raw)
     }
 
-    /// The raw spool displacements nearest to those in m.
+    /// Converts spool displacements from m to the nearest raw ones.
     fn spool_raw<'py>(&self, m: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         known(self.spool, STEPS)?.counts(m)
     }
 
-    /// Times of samples by their numbers, s.
+    /// Converts numbers of samples to times, s.
     fn time_s<'py>(&self, samples: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         samples.mul(self.period_s)
     }

@@ -10,7 +10,7 @@ use pyo3::types::PyTuple;
 use crate::rig::RigOrSource;
 use crate::work;
 
-/// A virtual rig that serves a port until it is closed.
+/// A virtual rig, which serves a port until it is closed.
 #[pyclass(frozen, module = "pneudrive")]
 pub struct VirtualRig {
     port: String,
@@ -19,9 +19,9 @@ pub struct VirtualRig {
 
 #[pymethods]
 impl VirtualRig {
-    /// Starts a rig with the true parameters of `rig`, or with others that are drawn within the fraction `spread` of
-    /// them. It listens at "pty" or "tcp:HOST:PORT"; port 0 is any free one. `fast`: as fast as it goes, instead of in
-    /// real time. `live`: its plant lives between runs. `seed` is for its parameters and the noise of its sensors.
+    /// Starts a virtual rig with the parameters of `rig`, or with true ones drawn within the fraction `spread` of them. It
+    /// listens at "pty" or "tcp:HOST:PORT"; port 0 is any free one. `fast`: as fast as possible, instead of in real time.
+    /// `live`: the plant continues between runs. `seed` is that of the drawn parameters and the sensor noise.
     #[new]
     #[pyo3(signature = (rig, /, *, listen="tcp:127.0.0.1:0", fast=true, live=false, spread=None, seed=1))]
     fn new(
@@ -65,7 +65,7 @@ impl VirtualRig {
         if kind.is_none() { closed.map(|()| false) } else { Ok(false) }
     }
 
-    /// Ends serving.
+    /// Stops serving and closes the port.
     fn close(&self, py: Python<'_>) -> PyResult<()> {
         let background = self.background.lock().unwrap_or_else(PoisonError::into_inner).take();
         match background {

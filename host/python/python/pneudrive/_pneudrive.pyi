@@ -89,7 +89,7 @@ __version__: str
 
 @type_check_only
 class _SweepParts(TypedDict, total=False):
-    """What varies in a sweep, and what is collected."""
+    """The keywords of a sweep: varied keys, collected figures, and the size of its ensemble."""
 
     vary: Mapping[str, Any] | None
     draw: Mapping[str, Any] | None
@@ -102,7 +102,7 @@ class _SweepParts(TypedDict, total=False):
 
 @type_check_only
 class _TuneSizes(TypedDict, total=False):
-    """The step that gains are looked for, over what it is to hold, and how long to look."""
+    """The keywords of a tuning: the goal for a step, the spread as fractions, and the size of the search."""
 
     step_mm: float
     tolerance_mm: float
@@ -121,7 +121,7 @@ class _TuneSizes(TypedDict, total=False):
 
 @disjoint_base
 class Channels:
-    """Columns by name."""
+    """Columns by name: arrays over one index."""
 
     def __getitem__(self, name: str, /) -> Any: ...
     def __len__(self, /) -> int: ...
@@ -136,7 +136,7 @@ class Channels:
 
 @final
 class Rig:
-    """One drive and one test, valid."""
+    """A valid rig: one drive and one test."""
 
     def __new__(cls, what: _RigLike, /, **keys: Unpack[tables.RigKeys]) -> Self: ...
     @staticmethod
@@ -213,7 +213,7 @@ class Rig:
 
 @final
 class Converged:
-    """Whether the transient of a run has converged, or the error of its integration chose it."""
+    """The convergence of a run: whether its transient could depend on the integration error."""
 
     @property
     def is_converged(self) -> bool: ...
@@ -266,7 +266,7 @@ class Run(Channels):
 
 @final
 class Target(Channels):
-    """A TARGET file, or what has been streamed of a run."""
+    """A TARGET file or a streamed run."""
 
     @staticmethod
     def read(path: _Path) -> Target: ...
@@ -295,7 +295,7 @@ class Transient(Channels):
 
 @final
 class Figure:
-    """A figure of a move, with what it rests on."""
+    """A figure of a move, with its range over the runs."""
 
     @property
     def value(self) -> float | None: ...
@@ -311,7 +311,7 @@ class Figure:
 
 @final
 class Characteristic:
-    """A bench test of a component: curves over one axis, and figures read off them."""
+    """A bench test of a component: curves over one axis, and figures read from them."""
 
     @property
     def about(self) -> str: ...
@@ -342,7 +342,7 @@ class Curve:
 
 @final
 class CurveFigure:
-    """A figure that was read off curves."""
+    """A figure read from curves."""
 
     @property
     def name(self) -> str: ...
@@ -355,7 +355,7 @@ class CurveFigure:
 
 @final
 class Move:
-    """A move and what was measured of it."""
+    """A move and its figures."""
 
     @property
     def number(self) -> int: ...
@@ -367,7 +367,7 @@ class Move:
 
 @final
 class Evaluation:
-    """What a transient tells about its moves."""
+    """The moves of a transient with their figures."""
 
     @property
     def moves(self) -> list[Move]: ...
@@ -380,7 +380,7 @@ class Evaluation:
 
 @final
 class Deviation:
-    """How far a channel of one transient is from that of another."""
+    """The deviation of a channel of one transient from the same channel of another."""
 
     @property
     def channel(self) -> str: ...
@@ -405,7 +405,7 @@ class Deviation:
 
 @final
 class Overlay:
-    """The deviations of others from a reference."""
+    """The deviations of transients from a reference."""
 
     @property
     def transients(self) -> list[Transient]: ...
@@ -419,7 +419,7 @@ class Overlay:
 
 @final
 class SweepResult(Channels):
-    """The result of a sweep: a row a point."""
+    """The result of a sweep: one row per point."""
 
     @property
     def best(self) -> int | None: ...
@@ -446,7 +446,7 @@ class _Points:
 
 @final
 class Estimate:
-    """What a parameter was found to be."""
+    """The estimate of a parameter."""
 
     @property
     def key(self) -> str: ...
@@ -467,7 +467,7 @@ class Estimate:
 
 @final
 class Identification:
-    """A finished fit."""
+    """The result of an identification."""
 
     @property
     def fits(self) -> bool: ...
@@ -482,7 +482,7 @@ class Identification:
 
 @final
 class Share:
-    """In how many draws a goal is met."""
+    """The share of draws that meet a goal."""
 
     @property
     def met(self) -> int: ...
@@ -493,7 +493,7 @@ class Share:
 
 @final
 class Tuned:
-    """Gains, and what they do."""
+    """The result of a tuning: gains and how well they meet the goal."""
 
     @property
     def rig(self) -> Rig: ...
@@ -537,7 +537,7 @@ class Sample:
 
 @final
 class Command:
-    """What the drive stage shall do from the output on."""
+    """The command to the drive stage, in force from the output on."""
 
     def __new__(cls, counts: SupportsIndex, step: SupportsIndex = 0, drive_enable: bool = True) -> Self: ...
     @property
@@ -552,7 +552,7 @@ class Command:
 
 @final
 class Controller:
-    """The controller of a rig, bit for bit that of the firmware, with the moves of the rig's test."""
+    """The controller of a rig with the moves of its test, bit for bit that of the firmware."""
 
     def __new__(cls, rig: _RigLike, /, *, start: bool = True) -> Self: ...
     def step(self, sample: Sample) -> Command: ...
@@ -572,7 +572,7 @@ class Controller:
 
 @final
 class LinearModel:
-    """A plant about a state: x' = rates + A (x - state) + B (u - input), y = output + C (x - state) + D (u - input)."""
+    """A plant linearised about a state: x' = rates + A (x - state) + B (u - input), y = output + C (x - state) + D (u - input)."""
 
     @property
     def states(self) -> list[str]: ...

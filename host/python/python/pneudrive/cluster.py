@@ -40,7 +40,7 @@ _points: Callable[[_Text, _Text], _Points] = lru_cache(maxsize=4)(_Points)
 def _run(
     version: str, identity: str, texts: tuple[_Text, _Text], numbers: list[int]
 ) -> tuple[list[str], float]:
-    """On a worker: the rows of these points, and the seconds that they took."""
+    """Runs points on a worker; returns their rows and the time that they took, s."""
     if version != __version__:
         raise PneudriveError(f"it has pneudrive {__version__}, the client has {version}; install the same on both")
     points = _points(*texts)
@@ -52,7 +52,7 @@ def _run(
 
 
 def sweep(points: _Points, client: Any, progress: Callable[[int, int], object] | None) -> SweepResult:
-    """The result of all points, run by the workers of a `dask.distributed.Client`."""
+    """Runs all points on the workers of a `dask.distributed.Client` and returns their result."""
     distributed = _needs("distributed", "dask")
     if not isinstance(client, distributed.Client) or client.asynchronous:
         raise TypeError(f"client must be a dask.distributed.Client that is not asynchronous, not {client!r}")
@@ -60,7 +60,7 @@ def sweep(points: _Points, client: Any, progress: Callable[[int, int], object] |
 
 
 class _Sweep:
-    """A sweep on its way."""
+    """A sweep in progress."""
 
     def __init__(
         self, points: _Points, client: Any, distributed: Any, progress: Callable[[int, int], object]
@@ -98,7 +98,7 @@ class _Sweep:
         return self._points.result([self._rows[point] for point in range(all_)])
 
     def _try_out(self) -> None:
-        """Runs the first point on every worker: they must agree on it in every byte. It also tells what a point costs."""
+        """Runs the first point on every worker: all rows must agree in every byte. This also measures the cost of a point."""
         found = self._client.run(_run, *self._what, [0], on_error="return")
         rows: dict[str, str] = {}
         for worker, one in found.items():
@@ -119,7 +119,7 @@ class _Sweep:
         self._cost = (self._cost[0] + seconds, self._cost[1] + count)
 
     def _threads(self) -> int:
-        """How many threads all workers have together."""
+        """Returns the number of threads of all workers."""
         if self._client.scheduler is None:
             raise self._distributed.client.ClosedClientError("its client is closed")
         threads: int = sum(self._client.nthreads().values())
@@ -137,14 +137,14 @@ class _Sweep:
         return f"{len(self._rows)} of {len(self._points)} points are done"
 
     def _send(self, threads: int) -> None:
-        """Sends chunks, until all threads have enough of them."""
+        """Sends chunks until all threads have enough."""
         while self._unsent and len(self._running) < AHEAD * threads:
             numbers = list(self._take(self._chunk(threads)))
             chunk = self._client.submit(_run, *self._what, numbers, pure=False)
             self._running[chunk] = numbers
 
     def _chunk(self, threads: int) -> int:
-        """How many points a chunk has."""
+        """Returns the number of points of a chunk."""
         seconds, count = self._cost
         of_time = int(CHUNK_S * count / seconds) if seconds > 0 else 1
         share = -(-self._unsent // (AHEAD * threads))
@@ -156,7 +156,7 @@ class _Sweep:
             yield next(self._todo)
 
     def _collect(self) -> None:
-        """Waits a moment for chunks, and takes the rows of those that are done."""
+        """Waits briefly for chunks, and takes the rows of finished ones."""
         if not self._running:
             time.sleep(LOOK_S)
             return
@@ -181,6 +181,6 @@ def _named(numbers: list[int]) -> str:
 
 
 def _of_worker(worker: str, error: BaseException) -> PneudriveError:
-    """What a worker has against running points. Of a failure to import, the cluster tells the text alone."""
+    """Returns the reason why a worker cannot run points. For a failed import, the cluster passes on only the text."""
     advice = "" if isinstance(error, PneudriveError) else f"; install pneudrive {__version__} there"
     return PneudriveError(f"worker {worker}: {error}{advice}")

@@ -1,4 +1,4 @@
-"""Exceptions: a kind for each end that a program can do something about.
+"""Exceptions: one for each outcome that a program can handle.
 
 The kinds are those of the command's exit codes (docs/reference/exit-codes.md), and the texts are the command's.
 """
@@ -24,24 +24,24 @@ from typing import NamedTuple
 
 
 class PneudriveError(Exception):
-    """Any failure of pneudrive."""
+    """The base class of all exceptions of pneudrive."""
 
 
 class Problem(NamedTuple):
-    """Something wrong with a rig or a sweep."""
+    """A problem of a rig or a sweep."""
 
     source: str
-    """The file, or "values" for what was given in Python."""
+    """The file, or "values" for values from Python."""
     line: int | None
-    """Counted from 1; None where there is no line."""
+    """The line, counted from 1; None without one."""
     key: str
     """The key, such as "load.mass_kg"."""
     message: str
-    """What is wrong and what to do."""
+    """The problem and its remedy."""
 
 
 class RigError(PneudriveError, ValueError):
-    """A rig or a sweep is not valid; `problems` has everything that is wrong with it."""
+    """A rig or a sweep is not valid; `problems` lists all its problems."""
 
     def __init__(self, text: str, problems: list[tuple[str, int | None, str, str]]) -> None:
         super().__init__(text)
@@ -52,7 +52,7 @@ class RigError(PneudriveError, ValueError):
 
 
 class SimulationError(PneudriveError, ArithmeticError):
-    """The integration cannot go on."""
+    """The integration cannot continue."""
 
 
 class NotThere(PneudriveError, FileNotFoundError):
@@ -68,7 +68,7 @@ class NoAnswer(PneudriveError, ConnectionError):
 
 
 class Refused(PneudriveError):
-    """The rig refuses: its state does not allow the request, or another program commands the drive."""
+    """The rig refused a request: its state does not allow it, or another program commands the drive."""
 
 
 class Tripped(PneudriveError):
@@ -76,7 +76,7 @@ class Tripped(PneudriveError):
 
 
 class Interrupted(PneudriveError):
-    """A run was stopped because that was asked for."""
+    """A run was stopped on request."""
 
 
 class NotBorneOut(PneudriveError):

@@ -1,4 +1,4 @@
-"""Columns as data frames of other libraries, each imported when it is asked for."""
+"""Columns as data frames of other libraries, each imported on first use."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ Columns = dict[str, Any]
 
 
 def _needs(module: str, extra: str) -> ModuleType:
-    """The module, or what to install for it."""
+    """Returns a module, or raises an error that says what to install."""
     try:
         return import_module(module)
     except ModuleNotFoundError as error:
@@ -25,7 +25,7 @@ def to_pandas(columns: Columns) -> Any:
 
 
 def to_xarray(columns: Columns, axes: list[str]) -> Any:
-    """A dataset over these columns; `draw` numbers the rows of the others."""
+    """Returns a dataset over these columns; `draw` numbers the rows of the others."""
     _needs("xarray", "xarray")
     frame = to_pandas(columns)
     if axes[-1] == "draw":

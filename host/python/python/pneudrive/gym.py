@@ -26,24 +26,25 @@ _FASTEST_M_S = 5.0
 
 
 class Positioning(gymnasium.Env[Observation, Action]):
-    """The load is to move to a target, and to stay there.
+    """Positioning: the load has to move to a target and stay there.
 
-    An observation has six numbers from -1 to 1: the signed distance to the target over the stroke, twice the position over the stroke
-    less 1, the velocity over 5 m/s, both pressures and the spool over the ranges of their sensors. What is not measured
-    is 0, and what is beyond its range is at the end of it. The velocity is the difference of two positions.
+    An observation has six numbers from -1 to 1: the signed distance to the target over the stroke, twice the position
+    over the stroke less 1, the velocity over 5 m/s, and both pressures and the spool over the ranges of their sensors. A
+    quantity that is not measured is 0, and one beyond its range is clipped. The velocity is the difference of two
+    positions over the time between them.
 
     An action is a number from -1 to 1: the command over its largest; positive extends.
 
-    The reward of a step is minus the distance to the target over the stroke, so that an episode that is at its target
-    throughout has 0. Nothing ends an episode but its length (`max_episode_steps` of `gymnasium.make`).
+    The reward of a step is minus the distance to the target over the stroke: an episode at its target throughout has 0.
+    Only its length ends an episode (`max_episode_steps` of `gymnasium.make`).
 
     `info` has `target_m` and the true state of the plant (`Plant.state`).
     """
 
     def __init__(self, rig: Any = "servo-b-tuned", *, samples: int = 8, spread: float = 0.0) -> None:
-        """The plant of a rig with a valve that takes counts.
+        """Makes the environment of a rig whose valve takes counts.
 
-        An action lasts for so many samples. With a spread each episode has another rig, whose physical values are drawn
+        An action is held for `samples` samples. With a spread each episode has another rig, whose physical values are drawn
         within this fraction of those of `rig` (`Rig.spread`).
 
         `ValueError`: the rig has a stepper, or `samples` is less than 1.
@@ -67,9 +68,9 @@ class Positioning(gymnasium.Env[Observation, Action]):
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Observation, dict[str, Any]]:
-        """Begins an episode in the state in which the rig's test begins.
+        """Begins an episode in the initial state of the rig's test.
 
-        The target is drawn between a tenth and nine tenths of the stroke; `options={"target_m": 0.1}` sets it.
+        The target is drawn between a tenth and nine tenths of the stroke; `options={"target_m": 0.1}` sets it, m.
         """
         super().reset(seed=seed)
         drawn = self.np_random.uniform(0.1, 0.9) * self._stroke_m

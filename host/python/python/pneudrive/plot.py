@@ -43,7 +43,7 @@ def run(run: Run, channels: Sequence[str] | None = None) -> Any:
 
 
 def transients(transients: Sequence[Transient], channels: Sequence[str] | None = None) -> Any:
-    """Draws transients on the same axes; returns a matplotlib figure."""
+    """Draws transients on the same axes and returns a matplotlib figure."""
     panels = _panels(transients[0], channels)
     pyplot = _needs("matplotlib.pyplot", "plot")
     figure, grid = pyplot.subplots(
@@ -62,7 +62,7 @@ def transients(transients: Sequence[Transient], channels: Sequence[str] | None =
 
 
 def characteristic(found: Characteristic) -> Any:
-    """Draws the curves of a bench test, a graph for each axis; returns a matplotlib figure."""
+    """Draws the curves of a bench test, one graph per y axis, and returns a matplotlib figure."""
     graphs = list(dict.fromkeys(curve.graph for curve in found.curves))
     pyplot = _needs("matplotlib.pyplot", "plot")
     figure, grid = pyplot.subplots(

@@ -1,4 +1,4 @@
-"""A progress bar where somebody looks: at a terminal, and in a notebook."""
+"""A progress bar for terminals and notebooks."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ DELAY_S = 0.5
 
 
 def bar(what: str, wanted: bool | None) -> Callable[[int, int], None] | None:
-    """A function that is told what is done and what is to do; None where no bar is wanted."""
+    """Returns a function that takes the work done and the total; None if no bar is wanted."""
     if wanted is False or (wanted is None and not _somebody_looks()):
         return None
     return _Bar(what)
@@ -30,7 +30,7 @@ def _in_notebook() -> bool:
 
 
 def _tqdm() -> Any:
-    """The class of the bar: a widget where there are widgets, else a line of text; None without tqdm."""
+    """Returns the class of the bar: a widget if ipywidgets is installed, else a line of text; None without tqdm."""
     try:
         if _in_notebook() and find_spec("ipywidgets") is not None:
             from tqdm.notebook import tqdm
@@ -42,7 +42,7 @@ def _tqdm() -> Any:
 
 
 class _Bar:
-    """A bar of tqdm, made when the work turns out to last; without tqdm, a line each quarter."""
+    """A bar of tqdm, which appears only if the work takes long; without tqdm, one line per quarter."""
 
     def __init__(self, what: str) -> None:
         self._what = what
