@@ -68,8 +68,8 @@ fn a_record_of_moves_with_profiles_is_simulated_with_these_moves_and_no_others()
     let setpoints = ["again", "first"].map(|run| column(folder.path(), run, 1));
     assert!(setpoints[0] == setpoints[1], "{setpoints:?}");
     let file = format!("[test]\nmove = {moves}\nduration_s = 0.5\n");
-    std::fs::write(folder.path().join("way.toml"), file).expect("written");
-    ok(folder.path(), &format!("{again} --test way.toml --out by-test"));
+    std::fs::write(folder.path().join("path.toml"), file).expect("written");
+    ok(folder.path(), &format!("{again} --test path.toml --out by-test"));
     for (other, why) in [
         (String::new(), "give the [test] that was run, with --test or --set"),
         (format!("{asked} --set test.repeat_every_s=1"), "set test.repeat_every_s as it was run"),

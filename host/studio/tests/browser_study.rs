@@ -190,9 +190,12 @@ fn gains_are_found_taken_over_with_the_run_before_as_ghost_and_taken_back() {
     page.wait_until("document.getElementById('study-at').textContent.includes('or less, estimated from')");
     page.wait_until("document.querySelector('#exhibit .verdict')");
     let shown = page.text("#exhibit");
-    for part in
-        ["The goal is met in", "95 % intervals", "in 5 fresh draws from the spread", "step in mid-stroke, rig of the file"]
-    {
+    for part in [
+        "The goal is met in",
+        "95 % intervals",
+        "in 5 fresh draws from the spread",
+        "step in mid-stroke, rig of the file",
+    ] {
         assert!(shown.contains(part), "{part}: {shown}");
     }
     page.wait_until("!document.getElementById('study-take').disabled");

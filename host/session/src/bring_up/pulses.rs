@@ -80,7 +80,7 @@ impl Thresholds {
     /// Whether the slide went the same way for both commands, and equally far.
     fn creeps(&self, pair: &Pair) -> bool {
         let [out, back] = [pair.out.moved, pair.back.moved];
-        let both = [out, back].iter().all(|way| f64::from(*way).abs() >= self.counts);
+        let both = [out, back].iter().all(|travel| f64::from(*travel).abs() >= self.counts);
         both && out.signum() == back.signum() && pair.counts().abs() < self.counts
     }
 }

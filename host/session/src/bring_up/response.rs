@@ -40,9 +40,9 @@ impl Response {
             mean(window.from, window.until) - mean(0, window.from)
         };
         let first = samples.first().map_or(0, |(_, sample)| sample.position);
-        let ways = samples.iter().map(|(_, sample)| sample.position.wrapping_sub(first));
+        let travels = samples.iter().map(|(_, sample)| sample.position.wrapping_sub(first));
         Response {
-            moved: ways.max_by_key(|way| way.unsigned_abs()).unwrap_or(0),
+            moved: travels.max_by_key(|travel| travel.unsigned_abs()).unwrap_or(0),
             pressures: [channel(|sample| sample.pressure_1), channel(|sample| sample.pressure_2)],
             spool: channel(|sample| sample.spool),
         }
