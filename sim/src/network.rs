@@ -282,9 +282,9 @@ impl Network {
         &self.supply
     }
 
-    /// Sets the Exner pressure of the supply.
-    pub(crate) fn set_supply(&mut self, exner: f64) {
-        self.supply.exner = exner;
+    /// Sets the air of the supply.
+    pub(crate) fn set_supply(&mut self, supply: GasState) {
+        (self.supply, self.per_supply_temperature) = (supply, 1.0 / supply.temperature);
     }
 
     /// The same in front of both nodes, K.

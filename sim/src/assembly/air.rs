@@ -94,7 +94,8 @@ impl Assembly {
         let mut stations = air.station();
         if let Some(lag) = &self.parts.lag {
             let [supply, one, two] = slot::RATIO.map(|i| x[i]);
-            self.parts.network.set_supply(lag.supply.exner * self.parts.gas.exner_ratio(supply));
+            let exner = lag.supply.exner * self.parts.gas.exner_ratio(supply);
+            self.parts.network.set_supply(GasState { exner, ..lag.supply });
             stations.exner *= self.parts.gas.exner_ratio(Pair::new([one, two]));
         }
         GasState { exner: self.joined(stations.exner), temperature: self.joined(stations.temperature) }

@@ -2,6 +2,7 @@
 
 use super::layout::spool_state;
 use super::{Assembly, StateVector, slot};
+use crate::component::air::GasState;
 use crate::component::friction::{Contact, FrictionModel};
 use crate::component::load::Load;
 use pneudrive_solver::Derivative;
@@ -51,10 +52,15 @@ impl Assembly {
     /// Sets the supply pressure of network and tubes: its own, or a fault's.
     fn supply_the_network(&mut self) {
         let pressure = self.parts.faults.now.supply_pressure.unwrap_or(self.parts.supply_pressure);
-        let supply = self.parts.gas.exner(pressure);
+        let exner = self.parts.gas.exner(pressure);
+        self.draw_from(GasState { exner, ..*self.parts.network.supply() });
+    }
+
+    /// Network and tubes draw this air.
+    pub(super) fn draw_from(&mut self, supply: GasState) {
         self.parts.network.set_supply(supply);
         if let Some(lag) = &mut self.parts.lag {
-            lag.supply.exner = supply;
+            lag.supply = supply;
         }
     }
 }

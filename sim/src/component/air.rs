@@ -3,8 +3,11 @@
 //! ```text
 //! m' = sum of mdot                                       mass
 //! w'/w = (n-1) (R sum of mdot T_in / (P V) - V'/V)       energy: thesis 6.15, 6.17 in w
+//!        + ((n-1)^2 / n) Q / (P V)                       heat Q from the walls
 //! T = P V / (m R)
 //! ```
+//!
+//! The second line is U' = n/(n-1) R sum of mdot T_in - P V' + Q with U = P V / (n-1).
 
 use crate::component::gas::Gas;
 use crate::number::{Number, Pair};
@@ -91,6 +94,13 @@ impl<N: Number> ChamberAir<N> {
         let growth = volume.rate / volume.volume;
         let per_growth = self.exner * N::from(gas.heat_capacity_ratio - 1.0);
         [one + two + three, per_growth * (filling - growth)]
+    }
+
+    /// The contribution of heat from the walls (W) to w' in a volume (m^3).
+    #[inline(always)]
+    pub(crate) fn exner_rate_of_heat(&self, gas: &Gas, volume: N, heat: N) -> N {
+        let per_heat = N::from((gas.heat_capacity_ratio - 1.0) * gas.exner_exponent());
+        self.exner * per_heat * heat / (self.pressure * volume)
     }
 }
 

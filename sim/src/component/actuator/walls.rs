@@ -3,12 +3,10 @@
 //! ```text
 //! Q_i  = h A_wi (T_w - T_i)                                 W, into the air of chamber i
 //! A_wi = 2 A_i + pi (D + d_i) L_i,   L_1 = y, L_2 = L - y   both faces, barrel and rod
-//! w'/w = (n-1) (R sum of mdot T_in / (P V) - V'/V) + ((n-1)^2 / n) Q / (P V)
 //! ```
 //!
-//! The last line is the energy balance of [`crate::component::air`], U' = n/(n-1) R sum of mdot T_in - P V' + Q with
-//! U = P V / (n-1). The thesis has adiabatic chambers, h = 0. The coefficient h is constant and the walls keep their
-//! temperature T_w; dead volumes and tubes have no wall of their own.
+//! [`crate::component::air`] has its effect on the air. The thesis has adiabatic chambers, h = 0. The coefficient h is constant and
+//! the walls keep their temperature T_w; dead volumes and tubes have no wall of their own.
 
 use std::f64::consts::PI;
 
@@ -64,8 +62,7 @@ impl Walls {
     /// The contribution of the heat to w'.
     #[inline(always)]
     pub(crate) fn exner_rate(&self, gas: &Gas, lengths: Pair, volumes: Pair, air: &ChamberAir<Pair>) -> Pair {
-        let per_heat = Pair::splat((gas.heat_capacity_ratio - 1.0) * gas.exner_exponent());
-        air.exner * per_heat * self.heat(lengths, air.temperature) / (air.pressure * volumes)
+        air.exner_rate_of_heat(gas, volumes, self.heat(lengths, air.temperature))
     }
 }
 
