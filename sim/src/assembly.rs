@@ -6,8 +6,8 @@
 //! ```
 //!
 //! State, in SI: position and velocity of the load, mass and Exner pressure of both chambers, the pressure ratios of
-//! lagged tubes, position and velocity of the spool, the pressures of lagged sensors, and the states of the load's
-//! friction. The modes tell on which smooth piece of the equations the system is. EQUATIONS section 11 orders the
+//! lagged tubes, position and velocity of the spool, the pressures of lagged sensors, the states of the load's
+//! friction, and mass and Exner pressure of a receiver. The modes tell on which smooth piece of the equations the system is. EQUATIONS section 11 orders the
 //! changes at one instant.
 
 mod air;
@@ -21,6 +21,7 @@ pub(crate) mod linear;
 mod load;
 mod next_event;
 mod ports;
+mod receiver;
 mod sensed;
 mod valve_state;
 
@@ -31,11 +32,12 @@ pub(crate) use load::Effects;
 use crate::component::actuator::Actuator;
 use crate::component::air::GasState;
 use crate::component::faults::Schedule;
-use crate::component::friction::{self, Contact};
+use crate::component::friction::Contact;
 use crate::component::gas::Gas;
 use crate::component::load::Load;
 use crate::component::operator::{Operator, Request, SpoolState};
 use crate::component::stop::Side;
+use crate::component::supply::receiver::Receiver;
 use crate::component::valve::flow_force::{FlowForce, NodeFlows, Source, ValveFlows, path_area};
 use crate::component::valve::{Restrictions, Valve};
 use crate::continuous::ContinuousLaw;
@@ -75,8 +77,9 @@ pub(crate) struct Parts {
     pub actuator: Actuator,
     pub load: Load,
     pub operator: Operator,
-    /// Of the supply when nothing is wrong with it, Pa.
+    /// Of the supply, or of the line in front of its receiver, when nothing is wrong with it, Pa.
     pub supply_pressure: f64,
+    pub receiver: Option<Receiver>,
     pub network: Network,
     pub flow_force: FlowForce,
     pub lag: Option<Lag>,
@@ -221,6 +224,7 @@ impl Assembly {
             slope[slot::MASS[i]] = masses.lane(i);
             slope[slot::EXNER[i]] = exners.lane(i);
         }
+        self.fill_receiver(x, &nodes, &mut slope);
         let force = self.parts.actuator.force(air.pressure.lane(0), air.pressure.lane(1));
         self.follow_pressures(air.pressure.to_array(), x, &mut slope);
         self.move_load(force, x, &mut slope);
@@ -280,10 +284,12 @@ impl System<STATES, GUARDS, END_GUARDS> for Assembly {
     }
 
     fn n_moving(&self) -> usize {
-        if !self.parts.load.friction.scale().is_empty() {
+        if self.parts.receiver.is_some() {
             STATES
+        } else if !self.parts.load.friction.scale().is_empty() {
+            slot::RECEIVER[0]
         } else if self.parts.sensor_lag.is_some() {
-            STATES - friction::STATES
+            slot::FRICTION[0]
         } else if !self.parts.operator.has_closed_form() {
             USUAL
         } else if self.parts.lag.is_some() {

@@ -20,6 +20,7 @@ use crate::component::load::Load;
 use crate::component::operator::Request;
 use crate::component::sensors::Sensors;
 use crate::component::sensors::calibration::Reading;
+use crate::component::supply::receiver::ReceiverState;
 use crate::keys;
 use crate::network::NetworkWork;
 use crate::number::Pair;
@@ -221,7 +222,8 @@ impl Plant {
         self.restless &= self.due.is_some();
     }
 
-    /// Changes the supply pressure from the present sample on, Pa absolute; within the range of `supply.pressure_pa`.
+    /// Changes the supply pressure, or that of the line in front of a receiver, from the present sample on, Pa absolute; within the
+    /// range of `supply.pressure_pa`.
     pub fn set_supply_pressure(&mut self, pressure: f64) {
         let at = self.sample_time;
         let set =
@@ -341,6 +343,14 @@ impl Plant {
             actuator_force,
             friction: friction_force,
         }
+    }
+
+    /// The air in the receiver at `t`, to which the plant has come, if there is one.
+    #[inline]
+    pub(crate) fn receiver_state(&mut self, t: f64) -> Option<ReceiverState> {
+        self.assembly.parts.receiver.as_ref()?;
+        let x = self.integrator.state(self.plant_time(t));
+        self.assembly.receiver_state(x)
     }
 
     /// The air inside the valve at `t`, to which the plant has come.

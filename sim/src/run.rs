@@ -66,7 +66,8 @@ pub trait Record: Sized {
 impl Record for Row {
     #[inline]
     fn of(plant: &mut Plant, time: f64, seen: &Observation) -> Row {
-        Row { time, observation: *seen, plant: plant.snapshot(time), valve: None, known: None }
+        let (snapshot, receiver) = (plant.snapshot(time), plant.receiver_state(time));
+        Row { time, observation: *seen, plant: snapshot, valve: None, receiver, known: None }
     }
 
     fn add_valve(&mut self, plant: &mut Plant) {

@@ -46,8 +46,14 @@ pub(crate) fn equilibrium_pressure_2(rig: &Rig) -> f64 {
     Actuator::of(rig).balancing_pressure_2(rig.get(&exhaust::keys::PRESSURE_PA), -standing)
 }
 
+/// Pressure of the receiver of the supply, Pa.
+pub(crate) fn receiver_pressure(rig: &Rig) -> f64 {
+    rig.get(&test::RECEIVER_PRESSURE_PA).unwrap_or_else(|| rig.get(&supply::keys::PRESSURE_PA))
+}
+
 /// The constraints on the start of a test.
 pub(crate) fn check(rig: &Rig, findings: &mut Findings) {
+    check_receiver(rig, findings);
     let why = "the test starts within the stroke";
     findings.not_above(rig, &test::POSITION_M, &actuator::keys::STROKE_M, why);
     let retracts = rig.get(&vent::keys::VENTED) == VentedKind::Chamber1;
@@ -67,6 +73,15 @@ pub(crate) fn check(rig: &Rig, findings: &mut Findings) {
             "no pressure in chamber 1 balances it at the start (it would be {balanced:.0} Pa); give test.pressure_1_pa"
         );
         findings.note(&test::PRESSURE_2_PA, message);
+    }
+}
+
+/// Air flows out of the receiver.
+fn check_receiver(rig: &Rig, findings: &mut Findings) {
+    let (outside, key) = (&exhaust::keys::PRESSURE_PA, &test::RECEIVER_PRESSURE_PA);
+    let (least, pressure) = (rig.get(outside), receiver_pressure(rig));
+    if rig.uses(key) && rig.is_set(key) && pressure < least {
+        findings.note(key, format!("must not be below {} = {least}, is {pressure}", outside.path));
     }
 }
 

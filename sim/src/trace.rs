@@ -5,6 +5,8 @@ use std::fmt::Write;
 use pneudrive_controller::Observation;
 
 use crate::assembly::ValveState;
+use crate::component::supply::receiver::ReceiverState;
+use crate::component::supply::{self, SupplyKind};
 use crate::known::Known;
 use crate::snapshot::{QUANTITIES, Snapshot};
 use crate::values::Rig;
@@ -38,6 +40,8 @@ pub struct Row {
     pub plant: Snapshot,
     /// The air inside the valve, where it was recorded.
     pub valve: Option<ValveState>,
+    /// The air in the receiver, if there is one.
+    pub receiver: Option<ReceiverState>,
     /// What the law knows, if it has a model of its drive.
     pub known: Option<Known>,
 }
@@ -69,25 +73,27 @@ pub struct Extra {
 #[derive(Clone, Copy, Debug)]
 enum Source {
     Valve(fn(&ValveState) -> f64),
+    Receiver(fn(&ReceiverState) -> f64),
     Law(fn(&Known) -> f64),
 }
 
 impl Extra {
-    /// Its number in a row; not a number where the valve was not recorded, and where the law knows nothing.
+    /// Its number in a row; not a number where the valve was not recorded, without a receiver, and where the law knows nothing.
     #[must_use]
     pub fn value(&self, row: &Row) -> f64 {
         match self.of {
             Source::Valve(of) => row.valve.as_ref().map_or(f64::NAN, of),
+            Source::Receiver(of) => row.receiver.as_ref().map_or(f64::NAN, of),
             Source::Law(of) => row.known.as_ref().map_or(f64::NAN, of),
         }
     }
 
-    /// What the law knew at a sample; None of a column of the valve.
+    /// What the law knew at a sample; None of a column of the air.
     #[must_use]
     pub fn of_known(&self, known: &Known) -> Option<f64> {
         match self.of {
-            Source::Valve(_) => None,
             Source::Law(of) => Some(of(known)),
+            _ => None,
         }
     }
 
@@ -97,10 +103,27 @@ impl Extra {
         matches!(self.of, Source::Valve(_))
     }
 
-    /// The columns that a run of this rig has anyway: what its law knows.
+    /// Whether it is of what the law knows.
+    #[must_use]
+    pub fn is_of_law(&self) -> bool {
+        matches!(self.of, Source::Law(_))
+    }
+
+    /// The columns that a run of this rig has anyway: the air in its receiver, and what its law knows.
     #[must_use]
     pub fn of_rig(rig: &Rig) -> Vec<&'static Extra> {
-        EXTRAS.iter().filter(|extra| rig.knows_its_drive() && !extra.is_of_valve()).collect()
+        let has = |extra: &&Extra| match extra.of {
+            Source::Valve(_) => false,
+            Source::Receiver(_) => rig.get(&supply::keys::MODEL) == SupplyKind::Receiver,
+            Source::Law(_) => rig.knows_its_drive(),
+        };
+        EXTRAS.iter().filter(has).collect()
+    }
+
+    /// Those of what its law knows.
+    #[must_use]
+    pub fn of_law(rig: &Rig) -> Vec<&'static Extra> {
+        Extra::of_rig(rig).into_iter().filter(|extra| extra.is_of_law()).collect()
     }
 
     /// The column of a name.
@@ -110,8 +133,8 @@ impl Extra {
     }
 }
 
-/// The columns of the air inside the valve, and of what the law knows.
-pub static EXTRAS: [Extra; 24] = [
+/// The columns of the air inside the valve and in the receiver, and of what the law knows.
+pub static EXTRAS: [Extra; 27] = [
     extra("port_pressure_1_pa", "P_1v, at port 1 on the valve's side of its tube", |v| v.port_pressures[0]),
     extra("port_pressure_2_pa", "P_2v, at port 2", |v| v.port_pressures[1]),
     extra("node_pressure_1_pa", "P_n of the flow node of port 1 (6.47)", |v| v.node_pressures[0]),
@@ -127,6 +150,11 @@ pub static EXTRAS: [Extra; 24] = [
         v.exhaust_flows[0]
     }),
     extra("exhaust_flow_2_kg_s", "from the exhaust into the node of port 2", |v| v.exhaust_flows[1]),
+    received("receiver_pressure_pa", "P of the receiver, absolute", |r| r.pressure),
+    received("receiver_temperature_k", "T of the receiver", |r| r.temperature),
+    received("receiver_flow_kg_s", "from the line into the receiver; negative when air flows back", |r| {
+        r.feed_flow
+    }),
     known("law_phase", "what the law does: 0 rest, 1 a trajectory of its own, 2 a profile", |k| k.stage),
     known("law_reference_mm", "where the law wants the load", |k| k.reference * 1e3),
     known("law_reference_velocity_m_s", "how fast the law wants the load", |k| k.reference_velocity),
@@ -154,6 +182,10 @@ pub static EXTRAS: [Extra; 24] = [
 
 const fn extra(name: &'static str, help: &'static str, of: fn(&ValveState) -> f64) -> Extra {
     Extra { name, help, of: Source::Valve(of) }
+}
+
+const fn received(name: &'static str, help: &'static str, of: fn(&ReceiverState) -> f64) -> Extra {
+    Extra { name, help, of: Source::Receiver(of) }
 }
 
 const fn known(name: &'static str, help: &'static str, of: fn(&Known) -> f64) -> Extra {

@@ -91,6 +91,9 @@ impl Assembly {
     /// likewise.
     #[inline(always)]
     pub(super) fn ends_at_valve(&mut self, x: &StateVector, air: &ChamberAir<Pair>) -> GasState<Pair> {
+        if let Some(air) = self.air_of_receiver(x) {
+            self.draw_from(air.station());
+        }
         let mut stations = air.station();
         if let Some(lag) = &self.parts.lag {
             let [supply, one, two] = slot::RATIO.map(|i| x[i]);

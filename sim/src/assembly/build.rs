@@ -7,12 +7,13 @@ use crate::component::faults::Schedule;
 use crate::component::gas::Gas;
 use crate::component::load::Load;
 use crate::component::operator::Operator;
+use crate::component::supply::receiver::Receiver;
 use crate::component::valve::Valve;
 use crate::component::valve::flow_force::FlowForce;
 use crate::continuous::ContinuousLaw;
 use crate::keys;
 use crate::network::Network;
-use crate::start::Start;
+use crate::start::{Start, receiver_pressure};
 use crate::values::Rig;
 
 /// The components of a rig, and the state in which its test begins.
@@ -28,6 +29,7 @@ pub(crate) fn drive(rig: &Rig) -> (Parts, StateVector) {
         load: Load::of(rig),
         operator: Operator::of(rig),
         supply_pressure: rig.get(&keys::supply::PRESSURE_PA),
+        receiver: Receiver::of(rig),
         network: Network::of(rig, gas),
         flow_force: FlowForce::of(rig),
         lag: Lag::of(rig, &gas),
@@ -35,6 +37,10 @@ pub(crate) fn drive(rig: &Rig) -> (Parts, StateVector) {
         continuous: ContinuousLaw::of(rig),
         faults: Schedule::new(&rig.fault_events()).later_by(rig.microseconds(&keys::controller::START_S)),
     };
+    if let Some(receiver) = &parts.receiver {
+        let (pressure, temperature) = (receiver_pressure(rig), rig.get(&keys::supply::TEMPERATURE_K));
+        [x[slot::RECEIVER[0]], x[slot::RECEIVER[1]]] = receiver.state_of(&gas, pressure, temperature);
+    }
     for (place, state) in slot::FRICTION.into_iter().zip(parts.friction_at_rest(&x).1) {
         x[place] = state;
     }

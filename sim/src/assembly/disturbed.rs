@@ -26,7 +26,7 @@ impl Assembly {
         true
     }
 
-    /// The supply has another pressure from `t` on, Pa.
+    /// The supply, or the line in front of its receiver, has another pressure from `t` on, Pa.
     pub fn set_supply_pressure(&mut self, t: f64, x: &StateVector, pressure: f64) -> Derivative {
         self.parts.supply_pressure = pressure;
         self.supply_the_network();
@@ -49,9 +49,13 @@ impl Assembly {
         Derivative::Discontinuous
     }
 
-    /// Sets the supply pressure of network and tubes: its own, or a fault's.
+    /// Sets the pressure of the supply, or of the line in front of its receiver: its own, or a fault's.
     fn supply_the_network(&mut self) {
         let pressure = self.parts.faults.now.supply_pressure.unwrap_or(self.parts.supply_pressure);
+        if let Some(receiver) = &mut self.parts.receiver {
+            receiver.set_line(pressure);
+            return;
+        }
         let exner = self.parts.gas.exner(pressure);
         self.draw_from(GasState { exner, ..*self.parts.network.supply() });
     }

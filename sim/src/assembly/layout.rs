@@ -48,6 +48,8 @@ pub(crate) mod slot {
         SENSED: 2,
         /// The states of the friction model of the load.
         FRICTION: friction::STATES,
+        /// Mass and Exner pressure of the air in the receiver.
+        RECEIVER: 2,
     }
 }
 
@@ -82,7 +84,7 @@ pub(crate) const STATES: usize = slot::COUNT;
 pub(crate) const CORE: usize = slot::RATIO[0];
 /// The states of lagged tubes come next.
 pub(crate) const LAGGED: usize = slot::SPOOL;
-/// Then the states of the spool, of lagged sensors, and of the load's friction.
+/// Then the states of the spool, of lagged sensors, of the load's friction, and of the receiver.
 pub(crate) const USUAL: usize = slot::SENSED[0];
 /// Guards read from the state.
 pub(crate) const GUARDS: usize = guard::COUNT;
@@ -104,6 +106,7 @@ const SCALE: StateVector = {
     scale[slot::SPOOL] = 1e-3;
     scale[slot::SENSED[0]] = 1e5;
     scale[slot::SENSED[1]] = 1e5;
+    scale[slot::RECEIVER[0]] = 1e-5;
     scale
 };
 
@@ -134,8 +137,16 @@ mod tests {
     #[test]
     fn every_place_is_taken_once() {
         let single = [slot::POSITION, slot::VELOCITY, slot::SPOOL, slot::SPOOL_VELOCITY];
-        let mut all =
-            [&single[..], &slot::MASS, &slot::EXNER, &slot::RATIO, &slot::SENSED, &slot::FRICTION].concat();
+        let mut all = [
+            &single[..],
+            &slot::MASS,
+            &slot::EXNER,
+            &slot::RATIO,
+            &slot::SENSED,
+            &slot::FRICTION,
+            &slot::RECEIVER,
+        ]
+        .concat();
         all.sort_unstable();
         assert_eq!(all, (0..STATES).collect::<Vec<_>>());
         let mut guards = vec![guard::LOAD_FRICTION, guard::LOAD_STOPS];

@@ -82,9 +82,16 @@ const SENSORS: [State; 2] = [
     State("sensed_pressure_2_pa", slot::SENSED[1], 1.0),
 ];
 
+const RECEIVER: [State; 2] = [
+    State("receiver_pressure_pa", RECEIVER_PRESSURE, 1.0),
+    State("receiver_temperature_k", RECEIVER_TEMPERATURE, 1.0),
+];
+
 /// Pressures (Pa) take the places of Exner pressures, and temperatures (K) those of masses.
 const PRESSURE: [usize; 2] = slot::EXNER;
 const TEMPERATURE: [usize; 2] = slot::MASS;
+const RECEIVER_TEMPERATURE: usize = slot::RECEIVER[0];
+const RECEIVER_PRESSURE: usize = slot::RECEIVER[1];
 
 /// Quantities that no output has: both jump.
 const NO_OUTPUT: [&str; 2] = ["spool_command_mm", "friction_n"];
@@ -109,6 +116,8 @@ const SIZE: StateVector = {
     size[slot::SPOOL] = 1e-3;
     size[slot::SENSED[0]] = 1e5;
     size[slot::SENSED[1]] = 1e5;
+    size[RECEIVER_PRESSURE] = 1e5;
+    size[RECEIVER_TEMPERATURE] = 300.0;
     size
 };
 
@@ -194,6 +203,9 @@ impl Equations {
             point[PRESSURE[i]] = air.pressure.lane(i);
             point[TEMPERATURE[i]] = air.temperature.lane(i);
         }
+        if let Some(air) = assembly.air_of_receiver(x) {
+            [point[RECEIVER_PRESSURE], point[RECEIVER_TEMPERATURE]] = [air.pressure, air.temperature];
+        }
         assembly.parts.network.tighten(true);
         assembly.solved = None;
         let parts = &assembly.parts;
@@ -208,6 +220,7 @@ impl Equations {
         states.extend(SENSORS.iter().filter(|_| parts.sensor_lag.is_some()));
         let bristles = slot::FRICTION.into_iter().zip(parts.load.friction.state_names());
         states.extend(bristles.map(|(place, name)| State(name, place, 1.0)));
+        states.extend(RECEIVER.iter().filter(|_| parts.receiver.is_some()));
         Ok(Equations { assembly, spool_law, states, t, point })
     }
 
@@ -243,6 +256,11 @@ impl Equations {
             [x[slot::MASS[i]], x[slot::EXNER[i]]] =
                 ChamberAir::state_of(gas, pressure, temperature, volumes.volume.lane(i));
         }
+        if let Some(receiver) = &assembly.parts.receiver {
+            let (pressure, temperature) = (point[RECEIVER_PRESSURE], point[RECEIVER_TEMPERATURE]);
+            [x[slot::RECEIVER[0]], x[slot::RECEIVER[1]]] =
+                receiver.state_of(&assembly.parts.gas, pressure, temperature);
+        }
         assembly.parts.network.expect_jump();
         let mut rates = assembly.rates_but_spool(t, &x);
         let nodes = assembly.nodes(t, &x);
@@ -262,6 +280,12 @@ impl Equations {
             // T = P V / (m R)
             rates[TEMPERATURE[i]] =
                 point[TEMPERATURE[i]] * (pressure_rate / point[PRESSURE[i]] + growth - mass_rate / mass);
+        }
+        if let Some((receiver, air)) = assembly.parts.receiver.as_ref().zip(assembly.air_of_receiver(&x)) {
+            let pressure_rate = assembly.parts.gas.pressure_rate(air.exner, rates[slot::RECEIVER[1]]);
+            rates[RECEIVER_TEMPERATURE] =
+                receiver.temperature_rate(&air, rates[slot::RECEIVER[0]], pressure_rate);
+            rates[RECEIVER_PRESSURE] = pressure_rate;
         }
         let seen = Snapshot {
             position: point[slot::POSITION],

@@ -1,16 +1,29 @@
-//! The supply: an ideal reservoir.
+//! The supply: an ideal reservoir, or a receiver behind a line ([`receiver`]).
+
+pub mod receiver;
 
 use crate::component::air::GasState;
 use crate::component::gas::Gas;
-use crate::key::keys;
+use crate::key::{keys, words};
 use crate::values::Rig;
 
-keys! {
-    PRESSURE_PA: f64 = number("supply.pressure_pa", 589_000.0, 2e4, 5e6, "C(5)", "Absolute supply pressure.").spread();
-    TEMPERATURE_K: f64 = number("supply.temperature_k", 294.0, 150.0, 600.0, "C(6)", "Supply temperature.");
+words! {
+    /// Where the air in front of the valve comes from.
+    pub enum SupplyKind {
+        /// A reservoir of constant pressure and temperature.
+        Ideal = "ideal",
+        /// A volume of air, which a line feeds.
+        Receiver = "receiver",
+    }
 }
 
-/// The air of the supply: its pressure and temperature.
+keys! {
+    MODEL: SupplyKind = choice("supply.model", "", "Where the valve's air comes from: a reservoir of constant pressure, or a receiver of a volume, which the valve empties and a line fills.");
+    PRESSURE_PA: f64 = number("supply.pressure_pa", 589_000.0, 2e4, 5e6, "C(5)", "Absolute supply pressure; with a receiver that of the line in front of it.").spread();
+    TEMPERATURE_K: f64 = number("supply.temperature_k", 294.0, 150.0, 600.0, "C(6)", "Supply temperature; with a receiver that of the line, and of the receiver at the start.");
+}
+
+/// The air of the supply, or of the line in front of its receiver: its pressure and temperature.
 #[must_use]
 pub fn station(rig: &Rig, gas: &Gas) -> GasState {
     GasState { exner: gas.exner(rig.get(&keys::PRESSURE_PA)), temperature: rig.get(&keys::TEMPERATURE_K) }

@@ -98,7 +98,7 @@ impl Iso6358 {
     }
 
     /// g and its slope.
-    fn ellipse(&self, ratio: f64) -> (f64, f64) {
+    pub(crate) fn ellipse(&self, ratio: f64) -> (f64, f64) {
         let width = 1.0 - self.critical_ratio;
         let beyond = (ratio - self.critical_ratio) / width;
         // 1 - beyond^2, without the loss of digits at r = 1.

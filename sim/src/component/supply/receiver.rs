@@ -1,0 +1,196 @@
+//! A receiver: a volume of air in front of the valve, which the valve empties and a line fills through an opening.
+//!
+//! ```text
+//! m'   = mdot_f - s_1 - s_2                                    s: from the receiver into the nodes of the valve
+//! w'/w = (n-1) R (mdot_f T_f - sum of s T_s)/(P V) + ((n-1)^2/n) Q/(P V)      [`crate::component::air`]
+//! Q    = h A (T_e - T),   A = 5/2 pi D^2,   V = pi/2 D^3       a closed cylinder twice as long as wide
+//!
+//! mdot_f =  C rho_0 P_l sqrt(T_0/T_l) phi(P/P_l)               P < P_l, T_f = T_l           ISO 6358-1, m = 0.5
+//! mdot_f = -C rho_0 P   sqrt(T_0/T)   phi(P_l/P)               P > P_l, T_f = T; 0 with a check valve
+//! phi(r) = phi_1 u (a + (1 - a) u),  u = (1 - r)/0.001         r > 0.999
+//! ```
+//!
+//! Air has the temperature of where it comes from: T_s is that of the receiver, or of a node that gives air back. P_l and T_l are
+//! constant, T_e is the temperature of the surroundings, which the walls keep, and h = 0 makes them adiabatic. So mass and
+//! energy of receiver and chambers change by what line, exhaust, walls and piston exchange with them, and by nothing else.
+//!
+//! Near P = P_l the ellipse of ISO 6358 has an infinite slope over P, so that the receiver would be full within a finite time and
+//! its flow would not be defined by what is missing. From a difference of a thousandth on phi goes to 0 in proportion, with the value
+//! phi_1 and the slope of the ellipse where they meet. Other programs do likewise (Simscape: linear from 0.999 or 0.995 on).
+//!
+//! A receiver has plain ports when it is bought. The check valve in front of it, which keeps its pressure while the line loses its own,
+//! is a part of its own, opens at once, and its loss is in C and b.
+
+use std::f64::consts::PI;
+
+use crate::component::air::{ChamberAir, Volume};
+use crate::component::exhaust;
+use crate::component::gas::Gas;
+use crate::component::supply::{self, SupplyKind, keys::MODEL};
+use crate::component::valve::iso6358::{Iso6358, REFERENCE_DENSITY, REFERENCE_TEMPERATURE};
+use crate::key::keys;
+use crate::values::Rig;
+
+keys! {
+    RECEIVER_VOLUME_M3: f64 = number("supply.receiver_volume_m3", 2e-3, 1e-4, 100.0, "", "Volume of the receiver with the tube to the valve; 2 l is a round number.").chosen_by(&MODEL, &["receiver"]);
+    FEED_CONDUCTANCE: f64 = number("supply.feed_conductance_m3_per_s_pa", 8e-9, 1e-12, 1e-6, "", "Sonic conductance between line and receiver (ISO 6358), with all that is there. The default is that of a smooth tube of 4 mm bore and 3 m, for a line of 6 mm.").chosen_by(&MODEL, &["receiver"]).spread();
+    FEED_CRITICAL_RATIO: f64 = number("supply.feed_critical_ratio", 0.25, 0.0, 0.9, "", "Critical pressure ratio between line and receiver (ISO 6358); long tubes have 0.2 to 0.3.").chosen_by(&MODEL, &["receiver"]);
+    CHECK_VALVE: bool = switch("supply.check_valve", false, "", "Whether a check valve keeps the air of the receiver from flowing back into the line. A receiver is bought without one.").chosen_by(&MODEL, &["receiver"]);
+    RECEIVER_HEAT_TRANSFER: f64 = number("supply.receiver_heat_transfer_w_per_m2_k", 0.0, 0.0, 1e5, "", "Heat transfer of the receiver's walls, which have the temperature of the surroundings; 0: adiabatic.").chosen_by(&MODEL, &["receiver"]);
+}
+
+/// A receiver and what feeds it, SI.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Receiver {
+    /// V, m^3.
+    volume: f64,
+    feed: Feed,
+    /// h A, W/K.
+    heat_per_kelvin: f64,
+    /// T_e, K.
+    wall_temperature: f64,
+}
+
+/// The air of a receiver at one instant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ReceiverState {
+    /// Absolute, Pa.
+    pub pressure: f64,
+    /// K.
+    pub temperature: f64,
+    /// mdot_f from the line, kg/s; negative when air flows back.
+    pub feed_flow: f64,
+}
+
+impl Receiver {
+    /// The receiver of a rig.
+    pub fn of(rig: &Rig) -> Option<Receiver> {
+        let volume = rig.get(&keys::RECEIVER_VOLUME_M3);
+        (rig.get(&MODEL) == SupplyKind::Receiver).then(|| Receiver {
+            volume,
+            feed: Feed::of(rig),
+            heat_per_kelvin: rig.get(&keys::RECEIVER_HEAT_TRANSFER) * wall_area(volume),
+            wall_temperature: rig.get(&exhaust::keys::TEMPERATURE_K),
+        })
+    }
+
+    /// Mass (kg) and Exner pressure at a pressure (Pa) and a temperature (K).
+    pub fn state_of(&self, gas: &Gas, pressure: f64, temperature: f64) -> [f64; 2] {
+        ChamberAir::state_of(gas, pressure, temperature, self.volume)
+    }
+
+    /// Another pressure of the line, Pa.
+    pub fn set_line(&mut self, pressure: f64) {
+        self.feed.line_pressure = pressure;
+    }
+
+    /// Air of a mass (kg) and an Exner pressure.
+    #[inline]
+    pub fn air(&self, gas: &Gas, [mass, exner]: [f64; 2]) -> ChamberAir {
+        ChamberAir::of_state(gas, mass, exner, self.volume)
+    }
+
+    /// m' and w' for flows (kg/s) into the nodes, each with the temperature (K) that it carries.
+    pub fn derivative(&self, gas: &Gas, air: &ChamberAir, [one, two]: [(f64, f64); 2]) -> [f64; 2] {
+        let volume = Volume { volume: self.volume, rate: 0.0 };
+        let flows = [self.feed.flow(air), (-one.0, one.1), (-two.0, two.1)];
+        let [mass, exner] = air.derivative(gas, volume, flows);
+        let heat = self.heat_per_kelvin * (self.wall_temperature - air.temperature);
+        [mass, exner + air.exner_rate_of_heat(gas, self.volume, heat)]
+    }
+
+    /// T', K/s, of air for the rates of its mass and its pressure: T = P V/(m R).
+    pub fn temperature_rate(&self, air: &ChamberAir, mass_rate: f64, pressure_rate: f64) -> f64 {
+        air.temperature * (pressure_rate / air.pressure - mass_rate / air.mass)
+    }
+
+    /// What can be seen of its air.
+    pub fn seen(&self, air: &ChamberAir) -> ReceiverState {
+        let (feed_flow, _) = self.feed.flow(air);
+        ReceiverState { pressure: air.pressure, temperature: air.temperature, feed_flow }
+    }
+}
+
+/// A of a volume in m^3, m^2.
+fn wall_area(volume: f64) -> f64 {
+    let diameter = (2.0 * volume / PI).cbrt();
+    2.5 * PI * diameter * diameter
+}
+
+/// r from which on phi goes to 0 in proportion.
+const NEARLY_FULL: f64 = 0.999;
+
+/// The line and the opening behind it.
+#[derive(Clone, Copy, Debug)]
+struct Feed {
+    /// P_l, Pa.
+    line_pressure: f64,
+    /// T_l, K.
+    line_temperature: f64,
+    /// C rho_0 sqrt(T_0), kg sqrt(K)/(s Pa).
+    choked: f64,
+    opening: Iso6358,
+    /// phi_1 and a.
+    nearly_full: [f64; 2],
+    check_valve: bool,
+}
+
+impl Feed {
+    fn of(rig: &Rig) -> Feed {
+        Feed::new(
+            [&supply::keys::PRESSURE_PA, &supply::keys::TEMPERATURE_K].map(|key| rig.get(key)),
+            rig.get(&keys::FEED_CONDUCTANCE),
+            rig.get(&keys::FEED_CRITICAL_RATIO),
+            rig.get(&keys::CHECK_VALVE),
+        )
+    }
+
+    /// From a line of a pressure (Pa) and a temperature (K) through C (m^3/(s Pa)) and b.
+    fn new(
+        [pressure, temperature]: [f64; 2],
+        conductance: f64,
+        critical_ratio: f64,
+        check_valve: bool,
+    ) -> Feed {
+        let opening = Iso6358 { sonic_conductance: conductance, critical_ratio, subsonic_index: 0.5 };
+        let (square, slope) = opening.ellipse(NEARLY_FULL);
+        // phi = sqrt(square), and d ln phi/d ln u = 2 - a at u = 1.
+        let per_u = -0.5 * slope / square * (1.0 - NEARLY_FULL);
+        Feed {
+            line_pressure: pressure,
+            line_temperature: temperature,
+            choked: conductance * REFERENCE_DENSITY * REFERENCE_TEMPERATURE.sqrt(),
+            opening,
+            nearly_full: [square.sqrt(), 2.0 - per_u],
+            check_valve,
+        }
+    }
+
+    /// mdot_f and T_f beside the air of the receiver.
+    fn flow(&self, air: &ChamberAir) -> (f64, f64) {
+        let (line, own) = (self.line_pressure, air.pressure);
+        if own <= line {
+            let flow = self.choked * line / self.line_temperature.sqrt() * self.share(own / line);
+            (flow, self.line_temperature)
+        } else if self.check_valve {
+            (0.0, air.temperature)
+        } else {
+            (-self.choked * own / air.temperature.sqrt() * self.share(line / own), air.temperature)
+        }
+    }
+
+    /// phi.
+    fn share(&self, ratio: f64) -> f64 {
+        if ratio <= self.opening.critical_ratio {
+            return 1.0;
+        }
+        if ratio <= NEARLY_FULL {
+            return self.opening.ellipse(ratio).0.sqrt();
+        }
+        let (u, [level, bend]) = ((1.0 - ratio) / (1.0 - NEARLY_FULL), self.nearly_full);
+        level * u * (bend + (1.0 - bend) * u)
+    }
+}
+
+#[cfg(test)]
+mod tests;
