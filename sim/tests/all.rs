@@ -26,6 +26,7 @@ mod lagged_tubes;
 mod mechanics;
 mod physics;
 mod ranges;
+mod receiver;
 mod reference;
 mod rests_outside;
 mod return_spring;

@@ -114,6 +114,14 @@ const VARIANTS: &[(&str, &[&str])] = &[
         "servo-b-tuned",
         &["valve.model=single-restriction", "tubing.model=none", "tubing.flow_control=meter-out"],
     ),
+    (
+        "servo-b-tuned",
+        &[
+            "supply.model=receiver",
+            "supply.receiver_volume_m3=5e-4",
+            "supply.receiver_heat_transfer_w_per_m2_k=50.0",
+        ],
+    ),
 ];
 
 /// Tests, one of which makes a key count, as settings: that of the file; on a profile; to and fro in closed and in open loop;

@@ -57,7 +57,7 @@ impl Replay {
             };
             self.known.iter().map(of).collect()
         };
-        let columns = Extra::of_rig(rig).into_iter().filter(|_| !self.known.is_empty());
+        let columns = Extra::of_law(rig).into_iter().filter(|_| !self.known.is_empty());
         columns.map(|extra| (extra, value(extra))).collect()
     }
 }

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | swapped-tubes | valve port 1 feeds chamber 2, port 2 chamber 1; a tube stays with its chamber |
 //! | stuck-spool | the spool stays where it is, with any operator |
-//! | supply-dip | the supply has another pressure for a while; of several dips the deepest counts |
+//! | supply-dip | the supply, or the line in front of its receiver, has another pressure for a while; of several the deepest counts |
 //! | leak | a hole leads from a chamber to the surroundings (`leak`); several add up |
 //! | encoder-loss | the count stays that of the sample before (`sensing`) |
 //! | encoder-jump | the count is off by a number; several add up |

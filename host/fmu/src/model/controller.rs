@@ -84,7 +84,7 @@ pub fn inputs(rig: &Rig) -> Vec<Signal> {
 /// Its outputs, in their order: those of every law, then what a law with a model knows, named as the columns of a trace.
 pub fn outputs(rig: &Rig) -> Vec<Signal> {
     let known = |extra: &Extra| signal(extra.name, Kind::Float64, extra.help);
-    OUTPUTS.into_iter().chain(Extra::of_rig(rig).into_iter().map(known)).collect()
+    OUTPUTS.into_iter().chain(Extra::of_law(rig).into_iter().map(known)).collect()
 }
 
 const OUTPUTS: [Signal; 12] = [
@@ -143,7 +143,7 @@ impl Controller {
         if run_test {
             state.start(&config, &sequence).map_err(refused)?;
         }
-        let (units, known) = (Units::of(rig), Extra::of_rig(rig));
+        let (units, known) = (Units::of(rig), Extra::of_law(rig));
         Ok(Controller {
             config,
             state,

@@ -169,7 +169,7 @@ fn what_the_law_knows_of_its_drive_is_at_the_outputs_as_in_a_trace() {
     let rig = rig("press", &["test.duration_s=0.5"]);
     let run = simulated(&rig);
     let mut drive = Fmu::new(Part::Drive, &rig, &[("run_test", Value::Switch(true))]);
-    let shown = Extra::of_rig(&rig);
+    let shown = Extra::of_law(&rig);
     assert!(shown.iter().any(|extra| extra.name == "law_mass_kg"), "{shown:?}");
     for (k, row) in run.rows.iter().enumerate() {
         drive.step(period(&rig));

@@ -1,4 +1,5 @@
 use super::*;
+use pneudrive_solver::{Derivative, Event, Integrator, Method, System};
 
 const LINE: f64 = 7e5;
 const TEMPERATURE: f64 = 293.15;
@@ -52,11 +53,10 @@ fn next_to_the_pressure_of_the_line_the_flow_goes_to_0_in_proportion() {
         assert!(shares.windows(2).all(|pair| pair[1] < pair[0]) && shares[1000] == 0.0, "{b}");
         let [full, half] = [1e-6, 5e-7].map(|missing| feed.share(1.0 - missing));
         assert!((full / half - 2.0).abs() < 1e-3, "{b}: in proportion");
-        // Nowhere farther from the ellipse than a twelfth of phi_1.
+        // Nowhere farther from the ellipse than 17.5 % of phi_1.
         let off = |r: f64| (feed.share(r) - feed.opening.ellipse(r).0.sqrt()).abs() / feed.nearly_full[0];
         let most = (0..1000).map(|i| off(NEARLY_FULL + 1e-6 * f64::from(i))).fold(0.0, f64::max);
-        println!("{b}: {most}");
-        assert!(most < 0.2, "{b}: {most}");
+        assert!(most < 0.175, "{b}: {most}");
     }
 }
 
@@ -67,4 +67,42 @@ fn the_walls_are_those_of_a_closed_cylinder_twice_as_long_as_wide() {
     assert!((area - 0.092_26).abs() < 1e-4, "{area}");
     let diameter = (area / (2.5 * PI)).sqrt();
     assert!((PI / 4.0 * diameter * diameter * 2.0 * diameter - 2e-3).abs() < 1e-15);
+}
+
+/// A receiver of 2 l that empties into a line of half a bar.
+struct Emptying(Receiver);
+
+impl System<2, 0, 0> for Emptying {
+    fn derivative(&mut self, _: f64, x: &[f64; 2]) -> [f64; 2] {
+        let air = self.0.air(&gas(), *x);
+        self.0.derivative(&gas(), &air, [(0.0, 0.0); 2])
+    }
+    fn guards(&mut self, _: f64, _: &[f64; 2]) -> [f64; 0] {
+        []
+    }
+    fn handle_event(&mut self, _: Event, _: f64, _: &mut [f64; 2]) -> Derivative {
+        Derivative::Discontinuous
+    }
+}
+
+/// Its pressure after half of tau, from 7 bar, over what the closed form has (sim/tests/receiver.rs), less 1; in this many steps of one
+/// length, of which the first is approached by shorter ones.
+fn off_after(steps: u32) -> f64 {
+    let feed = Feed::new([5e4, TEMPERATURE], 8e-9, 0.25, false);
+    let receiver = Receiver { volume: 2e-3, feed, heat_per_kelvin: 0.0, wall_temperature: TEMPERATURE };
+    let tau = 2e-3 / (feed.choked * 286.76 * TEMPERATURE.sqrt());
+    let start = receiver.state_of(&gas(), LINE, TEMPERATURE);
+    let mut integrator = Integrator::<2, 0, 0>::new(Method::Merson, 1e6, [1e-5, 1.0], start);
+    for step in 1..=steps {
+        let t = 0.5 * tau * f64::from(step) / f64::from(steps);
+        integrator.integrate_to(&mut Emptying(receiver), t, t).expect("smooth");
+    }
+    let end = receiver.air(&gas(), *integrator.state(0.5 * tau)).pressure;
+    (end / (LINE * 1.1_f64.powi(-7)) - 1.0).abs()
+}
+
+#[test]
+fn the_error_of_its_pressure_falls_with_the_order_of_the_method() {
+    let observed = (off_after(8) / off_after(16)).log2();
+    assert!((observed - 4.0).abs() < 0.2, "{observed}");
 }
