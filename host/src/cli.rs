@@ -222,7 +222,7 @@ pub struct Columns(pub Vec<&'static Extra>);
 /// The name that selects all of them.
 const OF_VALVE: &str = "valve";
 
-/// The columns of the air inside the valve; those of the law are there anyway.
+/// The columns of the air inside the valve; those of receiver and law are there anyway.
 fn of_valve() -> impl Iterator<Item = &'static Extra> {
     EXTRAS.iter().filter(|extra| extra.is_of_valve())
 }
@@ -248,11 +248,13 @@ fn columns(text: &str) -> Result<Columns, String> {
 /// The columns for the help text.
 fn column_list() -> String {
     let line = |extra: &Extra| format!("  {:<28}{}\n", extra.name, extra.help);
-    let of_law = EXTRAS.iter().filter(|extra| !extra.is_of_valve()).map(line);
+    let [of_receiver, of_law]: [String; 2] = [false, true].map(|of_law| {
+        let has = |extra: &&Extra| !extra.is_of_valve() && extra.is_of_law() == of_law;
+        EXTRAS.iter().filter(has).map(line).collect()
+    });
     format!(
-        "Columns:\n{}  {OF_VALVE:<28}all of these\n\nWith controller.law = \"cascade\" a trace has these anyway:\n{}",
+        "Columns:\n{}  {OF_VALVE:<28}all of these\n\nWith supply.model = \"receiver\" a trace has these anyway:\n{of_receiver}\nand with controller.law = \"cascade\" these:\n{of_law}",
         of_valve().map(line).collect::<String>(),
-        of_law.collect::<String>()
     )
 }
 

@@ -120,6 +120,7 @@ const VARIANTS: &[(&str, &[&str])] = &[
             "supply.model=receiver",
             "supply.receiver_volume_m3=5e-4",
             "supply.receiver_heat_transfer_w_per_m2_k=50.0",
+            "test.receiver_pressure_pa=650e3",
         ],
     ),
 ];

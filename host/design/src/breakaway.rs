@@ -14,6 +14,7 @@
 use pneudrive_sim::component::actuator::Actuator;
 use pneudrive_sim::component::gas::Gas;
 use pneudrive_sim::component::load::Load;
+use pneudrive_sim::component::supply::SupplyKind;
 use pneudrive_sim::component::tubing::has_flow_controls;
 use pneudrive_sim::component::valve::flow_law::FlowLaw;
 use pneudrive_sim::component::valve::iso6358::Iso6358;
@@ -67,8 +68,8 @@ impl Drive {
             _ => None,
         });
         let [Some(filling), Some(venting)] = paths else { return None };
-        // Their throttles are not in the conductance of the valve.
-        if has_flow_controls(rig) {
+        // Their throttles are not in the conductance of the valve, and a receiver does not hold the pressure.
+        if has_flow_controls(rig) || rig.get(&keys::supply::MODEL) != SupplyKind::Ideal {
             return None;
         }
         Some(Drive {

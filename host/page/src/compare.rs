@@ -15,7 +15,7 @@ use serde_json::{Value, json};
 use crate::columns::{Column, Columns};
 use crate::page_rig::PageRig;
 use crate::refusal::HttpRefusal;
-use crate::simulation::{law_curves, rig_of, to_json};
+use crate::simulation::{extra_curves, rig_of, to_json};
 
 /// A record, and the rig of the page.
 #[derive(Debug, Deserialize)]
@@ -159,6 +159,6 @@ fn curves(transient: &Transient) -> Columns {
         values: values.iter().map(|value| *value as f32).collect(),
     };
     let mut columns: Vec<Column> = CHANNELS.iter().zip(&transient.channels).map(column).collect();
-    columns.extend(law_curves(&transient.extras));
+    columns.extend(extra_curves(&transient.extras));
     Columns { time: transient.time.clone(), columns }
 }

@@ -43,8 +43,9 @@ const CURVES: [(&str, &str, &str, f64); 16] = [
     ("acceleration", "m/s2", "acceleration_m_s2", 1.0),
 ];
 
-/// The curves of what a law knows, if it has a model of its drive: name, unit, column and the factor between them.
-const LAW_CURVES: [(&str, &str, &str, f64); 13] = [
+/// The curves that not every run has, of the receiver and of what a law knows: name, unit, column and the factor between them.
+const EXTRA_CURVES: [(&str, &str, &str, f64); 14] = [
+    ("receiver pressure", "kPa", "receiver_pressure_pa", 1e-3),
     ("reference", "mm", "law_reference_mm", 1.0),
     ("estimated", "mm", "law_position_mm", 1.0),
     ("reference speed", "mm/s", "law_reference_velocity_m_s", 1e3),
@@ -124,14 +125,14 @@ fn curves(rig: &Rig, run: &Run) -> Columns {
     });
     let time = run.rows.iter().map(|row| row.time).collect();
     let of_row = |extra: &'static Extra| (extra, run.rows.iter().map(|row| extra.value(row)).collect());
-    let known: Vec<_> = Extra::of_rig(rig).into_iter().map(of_row).collect();
-    Columns { time, columns: columns.chain(law_curves(&known)).collect() }
+    let extras: Vec<_> = Extra::of_rig(rig).into_iter().map(of_row).collect();
+    Columns { time, columns: columns.chain(extra_curves(&extras)).collect() }
 }
 
-/// What a law knew, by the columns of it that there are.
-pub(crate) fn law_curves(known: &[(&'static Extra, Vec<f64>)]) -> Vec<Column> {
-    let drawn = LAW_CURVES.iter().filter_map(|&(name, unit, column, factor)| {
-        let (_, values) = known.iter().find(|(extra, _)| extra.name == column)?;
+/// What there is of [`EXTRA_CURVES`].
+pub(crate) fn extra_curves(extras: &[(&'static Extra, Vec<f64>)]) -> Vec<Column> {
+    let drawn = EXTRA_CURVES.iter().filter_map(|&(name, unit, column, factor)| {
+        let (_, values) = extras.iter().find(|(extra, _)| extra.name == column)?;
         Some(Column { name, unit, values: values.iter().map(|value| (value * factor) as f32).collect() })
     });
     drawn.collect()

@@ -2,7 +2,7 @@
 
 import { placeOf, scaleOf, ticks, tickText } from './scale.js';
 
-/** The graphs: a title, a unit, their curves, and their part of the height. Those `ofLaw` are there if a run has their curves. */
+/** The graphs: a title, a unit, their curves, and their part of the height. Optional ones are there if a run has their curves. */
 export const PANELS = [
   { id: 'position', unit: 'mm', curves: ['setpoint', 'position'], height: 1.5 },
   { id: 'pressures', unit: 'kPa', curves: ['pressure 1', 'pressure 2'], height: 1 },
@@ -14,18 +14,19 @@ export const PANELS = [
   { id: 'flows', unit: 'g/s', curves: ['flow 1', 'flow 2'], height: 1 },
   { id: 'temperatures', unit: 'K', curves: ['temperature 1', 'temperature 2'], height: 1 },
   { id: 'forces', unit: 'N', curves: ['piston force', 'friction'], height: 1 },
-  { id: 'reference', unit: 'mm', curves: ['reference', 'estimated'], height: 1, ofLaw: true },
-  { id: 'reference speed', unit: 'mm/s', curves: ['reference speed', 'estimated speed'], height: 1, ofLaw: true },
-  { id: 'law forces', unit: 'N', curves: ['wanted force', 'measured force', 'opposing force', 'standing force'], height: 2, ofLaw: true },
-  { id: 'learned mass', unit: 'kg', curves: ['learned mass'], height: 1, ofLaw: true },
-  { id: 'learned friction', unit: "of the file's", curves: ['learned friction'], height: 1, ofLaw: true },
-  { id: 'learned lag', unit: 'ms', curves: ['learned lag'], height: 1, ofLaw: true },
-  { id: 'phase', unit: '', curves: ['phase', 'looseness'], height: 1, ofLaw: true },
+  { id: 'receiver', unit: 'kPa', curves: ['receiver pressure'], height: 1, optional: true },
+  { id: 'reference', unit: 'mm', curves: ['reference', 'estimated'], height: 1, optional: true },
+  { id: 'reference speed', unit: 'mm/s', curves: ['reference speed', 'estimated speed'], height: 1, optional: true },
+  { id: 'law forces', unit: 'N', curves: ['wanted force', 'measured force', 'opposing force', 'standing force'], height: 2, optional: true },
+  { id: 'learned mass', unit: 'kg', curves: ['learned mass'], height: 1, optional: true },
+  { id: 'learned friction', unit: "of the file's", curves: ['learned friction'], height: 1, optional: true },
+  { id: 'learned lag', unit: 'ms', curves: ['learned lag'], height: 1, optional: true },
+  { id: 'phase', unit: '', curves: ['phase', 'looseness'], height: 1, optional: true },
 ];
 
 /** Whether a graph has anything to draw. */
 export function isThere(panel, runs) {
-  return !panel.ofLaw || runs.some((run) => panel.curves.some((name) => run.curves.has(name)));
+  return !panel.optional || runs.some((run) => panel.curves.some((name) => run.curves.has(name)));
 }
 
 /** Channels that hold their value until the next sample. */

@@ -59,7 +59,7 @@ export class Picture {
       tubing: text('tubing.model'),
       cylinder: `${round(1e3 * number('actuator.bore_m'))} mm bore, ${round(this.#rig.stroke)} mm stroke`,
       load: `${round(number('load.mass_kg'))} kg`,
-      supply: `${round(this.#rig.supply)} kPa`,
+      supply: `${round(this.#rig.supply)} kPa${receiver(text('supply.model'), number('supply.receiver_volume_m3'))}`,
       exhaust: `exhaust ${round(this.#rig.exhaust)} kPa`,
       sensing: text('encoder.model') === 'potentiometer' ? 'potentiometer' : `${round(1e3 * number('encoder.mm_per_count'))} µm a count`,
       faults: shortened(text('name')),
@@ -313,6 +313,11 @@ function round(number) {
 
 /** The colour of air of unknown pressure. */
 const NOT_KNOWN = '#c8ced6';
+
+/** What is between the supply and the valve, by its volume in m3. */
+function receiver(model, volume) {
+  return model === 'receiver' ? `, receiver of ${round(1e3 * volume)} l` : '';
+}
 
 /** The colours from the exhaust's pressure to the supply's. */
 function pressureColour(share) {

@@ -15,7 +15,7 @@ export class Toolbar {
   #align;
   #toggles = [];
   /** The buttons of graphs that not every run has. */
-  #ofLaw = [];
+  #optional = [];
   /** The buttons that need a run. */
   #ofRun;
 
@@ -44,7 +44,7 @@ export class Toolbar {
   update() {
     this.#align.hidden = this.#records.all.length === 0;
     const run = this.#callbacks.run();
-    for (const { panel, toggle } of this.#ofLaw) toggle.hidden = run === null || !isThere(panel, [run]);
+    for (const { panel, toggle } of this.#optional) toggle.hidden = run === null || !isThere(panel, [run]);
     for (const one of this.#ofRun) one.disabled = run === null;
   }
 
@@ -67,7 +67,7 @@ export class Toolbar {
     });
     this.#toggles.push({ id, toggle });
     toggle.setAttribute('aria-pressed', String(this.#plot.isShown(id)));
-    if (panel.ofLaw) this.#ofLaw.push({ panel, toggle });
+    if (panel.optional) this.#optional.push({ panel, toggle });
     return toggle;
   }
 

@@ -26,11 +26,29 @@ class Gas(Table):
 
 class Supply(Table):
     @property
+    def model(self) -> str:
+        """Where the valve's air comes from: a reservoir of constant pressure, or a receiver of a volume, which the valve empties and a line fills."""
+    @property
     def pressure_pa(self) -> float:
-        """Absolute supply pressure, Pa."""
+        """Absolute supply pressure; with a receiver that of the line in front of it, Pa."""
     @property
     def temperature_k(self) -> float:
-        """Supply temperature, K."""
+        """Supply temperature; with a receiver that of the line, and of the receiver at the start, K."""
+    @property
+    def receiver_volume_m3(self) -> float:
+        """Volume of the receiver with the tube to the valve; 2 l is a round number, m3."""
+    @property
+    def feed_conductance_m3_per_s_pa(self) -> float:
+        """Sonic conductance between line and receiver (ISO 6358), with all that is there. The default is that of a smooth tube of 4 mm bore and 3 m, for a line of 6 mm, m3/(s Pa)."""
+    @property
+    def feed_critical_ratio(self) -> float:
+        """Critical pressure ratio between line and receiver (ISO 6358); long tubes have 0.2 to 0.3."""
+    @property
+    def check_valve(self) -> bool:
+        """Whether a check valve keeps the air of the receiver from flowing back into the line. A receiver is bought without one."""
+    @property
+    def receiver_heat_transfer_w_per_m2_k(self) -> float:
+        """Heat transfer of the receiver's walls, which have the temperature of the surroundings; 0: adiabatic, W/(m2 K)."""
 
 class Exhaust(Table):
     @property
@@ -730,6 +748,9 @@ class Test(Table):
     @property
     def temperature_2_k(self) -> float:
         """Chamber 2 at the start, K."""
+    @property
+    def receiver_pressure_pa(self) -> float | None:
+        """Receiver of the supply at the start, absolute, Pa."""
 
 @type_check_only
 class RigKeys(TypedDict, total=False):
@@ -738,8 +759,14 @@ class RigKeys(TypedDict, total=False):
     name: str
     gas__heat_capacity_ratio: float
     gas__gas_constant_j_per_kg_k: float
+    supply__model: str
     supply__pressure_pa: float
     supply__temperature_k: float
+    supply__receiver_volume_m3: float
+    supply__feed_conductance_m3_per_s_pa: float
+    supply__feed_critical_ratio: float
+    supply__check_valve: bool
+    supply__receiver_heat_transfer_w_per_m2_k: float
     exhaust__pressure_pa: float
     exhaust__temperature_k: float
     controller__model: str
@@ -965,8 +992,10 @@ class RigKeys(TypedDict, total=False):
     test__pressure_2_pa: float
     test__temperature_1_k: float
     test__temperature_2_k: float
+    test__receiver_pressure_pa: float
     supply__pressure: str
     supply__temperature: str
+    supply__receiver_volume: str
     exhaust__pressure: str
     exhaust__temperature: str
     controller__start: str
@@ -1066,6 +1095,7 @@ class RigKeys(TypedDict, total=False):
     test__pressure_2: str
     test__temperature_1: str
     test__temperature_2: str
+    test__receiver_pressure: str
 
 @type_check_only
 class Answers(TypedDict, total=False):
