@@ -224,7 +224,9 @@ impl Assembly {
             slope[slot::MASS[i]] = masses.lane(i);
             slope[slot::EXNER[i]] = exners.lane(i);
         }
-        self.fill_receiver(x, &nodes, &mut slope);
+        if self.parts.receiver.is_some() {
+            self.fill_receiver(x, &nodes, &mut slope);
+        }
         let force = self.parts.actuator.force(air.pressure.lane(0), air.pressure.lane(1));
         self.follow_pressures(air.pressure.to_array(), x, &mut slope);
         self.move_load(force, x, &mut slope);
@@ -284,15 +286,13 @@ impl System<STATES, GUARDS, END_GUARDS> for Assembly {
     }
 
     fn n_moving(&self) -> usize {
-        if self.parts.receiver.is_some() {
+        if !self.parts.load.friction.scale().is_empty() {
             STATES
-        } else if !self.parts.load.friction.scale().is_empty() {
-            slot::RECEIVER[0]
         } else if self.parts.sensor_lag.is_some() {
             slot::FRICTION[0]
         } else if !self.parts.operator.has_closed_form() {
             USUAL
-        } else if self.parts.lag.is_some() {
+        } else if self.parts.lag.is_some() || self.parts.receiver.is_some() {
             LAGGED
         } else {
             CORE

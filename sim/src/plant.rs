@@ -111,7 +111,7 @@ impl Plant {
         if accuracy.tolerance < LOOSE {
             parts.network = parts.network.by_steps_of(SHORT_STEP);
         }
-        let scale = scale_of(&parts.load.friction);
+        let scale = scale_of(&parts);
         let assembly = Assembly::new(parts, &x);
         let start_us = rig.microseconds(&keys::controller::START_S);
         let clock = 1.0 + 1e-2 * rig.get(&keys::controller::CLOCK_ERROR_PERCENT);

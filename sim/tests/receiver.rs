@@ -262,7 +262,7 @@ fn the_pressure_of_a_receiver_converges_with_the_tolerance() {
     let models: [&[&str]; 6] = [
         &[],
         &BY_CONDUCTANCE,
-        &["tubing.lag_s=0.003"],
+        &["load.friction=lugre", "sensors.pressure_lag_s=0.004"],
         &["valve.model=single-restriction"],
         &["valve.upstream_mach=true"],
         &dips,
@@ -364,6 +364,8 @@ fn what_goes_with_a_receiver_is_refused_by_key_without_one() {
         let why = refused(&format!("{key}\n"));
         assert!(why.contains("has no effect with supply.model = \"ideal\""), "{why}");
     }
+    let lags = refused("supply.model = \"receiver\"\ntubing.lag_s = 0.003\n");
+    assert!(lags.contains("tubing.lag_s: must be 0 beside supply.model = \"receiver\""), "{lags}");
     let thin = refused("supply.model = \"receiver\"\ntest.receiver_pressure_pa = 5e4\n");
     assert!(thin.contains("test.receiver_pressure_pa: must not be below exhaust.pressure_pa"), "{thin}");
 }

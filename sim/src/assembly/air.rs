@@ -91,8 +91,8 @@ impl Assembly {
     /// likewise.
     #[inline(always)]
     pub(super) fn ends_at_valve(&mut self, x: &StateVector, air: &ChamberAir<Pair>) -> GasState<Pair> {
-        if let Some(air) = self.air_of_receiver(x) {
-            self.draw_from(air.station());
+        if self.parts.receiver.is_some() {
+            self.draw_from_receiver(x);
         }
         let mut stations = air.station();
         if let Some(lag) = &self.parts.lag {

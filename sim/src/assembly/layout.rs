@@ -1,6 +1,7 @@
 //! The index of each state and each guard of the assembly: one list gives all indices.
 
-use crate::component::friction::{self, Friction, States};
+use super::Parts;
+use crate::component::friction::{self, States};
 use crate::component::operator::{self, SpoolState};
 
 /// A list of names, each with how many entries it has, becomes their places and the number of all.
@@ -48,9 +49,11 @@ pub(crate) mod slot {
         SENSED: 2,
         /// The states of the friction model of the load.
         FRICTION: friction::STATES,
-        /// Mass and Exner pressure of the air in the receiver.
-        RECEIVER: 2,
     }
+
+    /// Mass and Exner pressure of the air in a receiver, in the places of lagged tubes: no drive has both. More than 16 states
+    /// would cost all drives 4 %, as the compiler then copies them by a call.
+    pub const RECEIVER: [usize; 2] = [RATIO[0], RATIO[1]];
 }
 
 /// Places among the guards that are read from the state.
@@ -82,9 +85,9 @@ pub(crate) const STATES: usize = slot::COUNT;
 /// Position, velocity and air come first: they move alone where the spool has a closed form, nothing lags and the load's
 /// friction has no states.
 pub(crate) const CORE: usize = slot::RATIO[0];
-/// The states of lagged tubes come next.
+/// The states of lagged tubes, or of a receiver, come next.
 pub(crate) const LAGGED: usize = slot::SPOOL;
-/// Then the states of the spool, of lagged sensors, of the load's friction, and of the receiver.
+/// Then the states of the spool, of lagged sensors, and of the load's friction.
 pub(crate) const USUAL: usize = slot::SENSED[0];
 /// Guards read from the state.
 pub(crate) const GUARDS: usize = guard::COUNT;
@@ -106,15 +109,17 @@ const SCALE: StateVector = {
     scale[slot::SPOOL] = 1e-3;
     scale[slot::SENSED[0]] = 1e5;
     scale[slot::SENSED[1]] = 1e5;
-    scale[slot::RECEIVER[0]] = 1e-5;
     scale
 };
 
-/// The same, with the scales of a load's friction states.
-pub(crate) fn scale_of(friction: &Friction) -> StateVector {
+/// The same, with the scales of a load's friction states, and of a receiver's mass.
+pub(crate) fn scale_of(parts: &Parts) -> StateVector {
     let mut scale = SCALE;
-    for (place, large) in slot::FRICTION.into_iter().zip(friction.scale()) {
+    for (place, large) in slot::FRICTION.into_iter().zip(parts.load.friction.scale()) {
         scale[place] = *large;
+    }
+    if parts.receiver.is_some() {
+        scale[slot::RECEIVER[0]] = scale[slot::MASS[0]];
     }
     scale
 }
@@ -137,16 +142,8 @@ mod tests {
     #[test]
     fn every_place_is_taken_once() {
         let single = [slot::POSITION, slot::VELOCITY, slot::SPOOL, slot::SPOOL_VELOCITY];
-        let mut all = [
-            &single[..],
-            &slot::MASS,
-            &slot::EXNER,
-            &slot::RATIO,
-            &slot::SENSED,
-            &slot::FRICTION,
-            &slot::RECEIVER,
-        ]
-        .concat();
+        let mut all =
+            [&single[..], &slot::MASS, &slot::EXNER, &slot::RATIO, &slot::SENSED, &slot::FRICTION].concat();
         all.sort_unstable();
         assert_eq!(all, (0..STATES).collect::<Vec<_>>());
         let mut guards = vec![guard::LOAD_FRICTION, guard::LOAD_STOPS];

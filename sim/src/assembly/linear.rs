@@ -116,10 +116,11 @@ const SIZE: StateVector = {
     size[slot::SPOOL] = 1e-3;
     size[slot::SENSED[0]] = 1e5;
     size[slot::SENSED[1]] = 1e5;
-    size[RECEIVER_PRESSURE] = 1e5;
-    size[RECEIVER_TEMPERATURE] = 300.0;
     size
 };
+
+/// The same of a receiver: K and Pa.
+const RECEIVER_SIZE: [f64; 2] = [300.0, 1e5];
 
 /// Counts: the command is linear in everything, so that any step is exact.
 const COMMAND_STEP: f64 = 1.0;
@@ -233,7 +234,8 @@ impl Equations {
         let State(_, place, units) = self.states[index];
         let bristles = slot::FRICTION.into_iter().zip(self.assembly.parts.load.friction.scale());
         let size = bristles.fold(SIZE[place], |size, (at, scale)| if at == place { *scale } else { size });
-        STEP * units * size
+        let of_receiver = self.assembly.parts.receiver.is_some() && slot::RECEIVER.contains(&place);
+        STEP * units * if of_receiver { RECEIVER_SIZE[place - slot::RECEIVER[0]] } else { size }
     }
 
     /// The rates of the states, then the outputs, in their units.

@@ -7,10 +7,17 @@ use crate::network::Nodes;
 
 impl Assembly {
     /// The air in the receiver, if there is one.
-    #[inline(always)]
     pub(super) fn air_of_receiver(&self, x: &StateVector) -> Option<ChamberAir> {
         let receiver = self.parts.receiver.as_ref()?;
         Some(receiver.air(&self.parts.gas, slot::RECEIVER.map(|i| x[i])))
+    }
+
+    /// Network and tubes draw its air.
+    #[inline(never)]
+    pub(super) fn draw_from_receiver(&mut self, x: &StateVector) {
+        if let Some(air) = self.air_of_receiver(x) {
+            self.draw_from(air.station());
+        }
     }
 
     /// What can be seen of it.
@@ -19,7 +26,7 @@ impl Assembly {
     }
 
     /// The rates of mass and Exner pressure: a node that gives air back gives its own.
-    #[inline(always)]
+    #[inline(never)]
     pub(super) fn fill_receiver(&self, x: &StateVector, nodes: &Nodes, slope: &mut StateVector) {
         let Some((receiver, air)) = self.parts.receiver.as_ref().zip(self.air_of_receiver(x)) else { return };
         let drawn = nodes.each().map(|node| {

@@ -63,7 +63,7 @@ mod tests {
         for (place, pressure) in slot::SENSED.into_iter().zip(pressures) {
             x[place] = pressure - step;
         }
-        let scale = scale_of(&parts.load.friction);
+        let scale = scale_of(&parts);
         let mut assembly = Assembly::new(parts, &x);
         let mut integrator = Integration::of_parts(Method::DormandPrince, 1e-11, scale, x);
         for k in 1..10 {

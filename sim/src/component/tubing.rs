@@ -67,7 +67,7 @@ keys! {
     FLOW_CONTROL_1_CONDUCTANCE: f64 = number("tubing.flow_control_1_conductance_m3_per_s_pa", 5e-9, 1e-12, 1e-6, "", "Sonic conductance of the throttle of chamber 1 (ISO 6358); a round number, as the needle may stand anywhere.").chosen_by(&FLOW_CONTROL, &["meter-out", "meter-in"]).spread();
     FLOW_CONTROL_2_CONDUCTANCE: f64 = number("tubing.flow_control_2_conductance_m3_per_s_pa", 5e-9, 1e-12, 1e-6, "", "The same of chamber 2.").chosen_by(&FLOW_CONTROL, &["meter-out", "meter-in"]).spread();
     FLOW_CONTROL_CRITICAL_RATIO: f64 = number("tubing.flow_control_critical_ratio", 0.3, 0.0, 0.9, "", "Critical pressure ratio of both throttles (ISO 6358).").chosen_by(&FLOW_CONTROL, &["meter-out", "meter-in"]);
-    LAG_S: f64 = number("tubing.lag_s", 0.0, 0.0, 1.0, "", "First-order lag of the pressure ratio; 0: solved together with the valve.");
+    LAG_S: f64 = number("tubing.lag_s", 0.0, 0.0, 1.0, "", "First-order lag of the pressure ratio, behind an ideal supply; 0: solved together with the valve.");
 }
 
 /// The tubes of a rig: the one from the supply, and those to the cylinder. With the multiple flow node a restriction at

@@ -18,6 +18,7 @@
 
 use crate::component::air::GasState;
 use crate::component::gas::Gas;
+use crate::component::supply::SupplyKind;
 use crate::component::tubing::{Tube, tubes};
 use crate::component::valve::Valve;
 use crate::component::{exhaust, supply};
@@ -39,6 +40,11 @@ const MAX_LAG_S: f64 = 1.0;
 
 pub(super) fn check(rig: &Rig, findings: &mut Findings) {
     let lag = rig.get(&keys::tubing::LAG_S);
+    if lag > 0.0 && rig.get(&keys::supply::MODEL) != SupplyKind::Ideal {
+        let message = "must be 0 beside supply.model = \"receiver\": tubes lag behind an ideal supply alone";
+        findings.note(&keys::tubing::LAG_S, message);
+        return;
+    }
     let Some(Tubes { times, ratio }) = (lag > 0.0).then(|| Tubes::of(rig)).flatten() else { return };
     let least = (LEAST_S * (1.0 + times * times)).max(LEAST_RISE_S * ratio);
     if lag < least {

@@ -509,7 +509,7 @@ class Tubing(Table):
         """Critical pressure ratio of both throttles (ISO 6358)."""
     @property
     def lag_s(self) -> float:
-        """First-order lag of the pressure ratio; 0: solved together with the valve, s."""
+        """First-order lag of the pressure ratio, behind an ideal supply; 0: solved together with the valve, s."""
 
 class Actuator(Table):
     @property

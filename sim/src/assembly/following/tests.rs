@@ -22,7 +22,7 @@ impl Transient {
         let settings: Vec<String> = settings.iter().cloned().chain([continuous]).collect();
         let rig = Rig::read_with("test", "", &settings).expect("valid");
         let (parts, x) = build::drive(&rig);
-        let scale = scale_of(&parts.load.friction);
+        let scale = scale_of(&parts);
         let assembly = Assembly::new(parts, &x);
         let integrator = Integrator::new(Method::DormandPrince, 1e-11, scale, x);
         let mut transient = Transient { assembly, integrator };

@@ -8,7 +8,7 @@ use pneudrive_solver::Method;
 /// A drive of a rig, and where it is, 50 ms after its valve has opened.
 fn moving(rig: &Rig) -> (Assembly, f64, StateVector) {
     let (parts, x) = build::drive(rig);
-    let scale = scale_of(&parts.load.friction);
+    let scale = scale_of(&parts);
     let mut assembly = Assembly::new(parts, &x);
     let mut integrator = Integration::of_parts(Method::DormandPrince, 1e-11, scale, x);
     let request = Request { counts: 900, step: 1 };
@@ -37,6 +37,7 @@ fn rigs() -> Vec<Rig> {
         rig("servo-b-tuned", &["operator.dither_mm=0"]),
         rig("servo-b-tuned", &["operator.model=\"solenoid-empirical\"", "operator.dither_mm=0"]),
         rig("servo-b-tuned", &all),
+        rig("servo-b-tuned", &["supply.model=\"receiver\"", "operator.dither_mm=0"]),
         rig("press", &[]),
     ]
 }
