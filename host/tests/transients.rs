@@ -129,7 +129,11 @@ fn a_run_may_have_the_air_inside_its_valve_and_a_record_be_laid_over_the_ports()
     for (line, longer) in plain.lines().zip(all.lines()) {
         assert!(longer.starts_with(line) && longer.split(',').count() == 18 + 11, "{longer}");
     }
-    for graph in ["pressures in the valve, kPa", "temperatures in the valve, K", "flows of the lands, g/s"] {
+    for graph in [
+        "pressures in supply and valve, kPa",
+        "temperatures in supply and valve, K",
+        "flows of supply and lands, g/s",
+    ] {
         assert!(
             text("all/report.html").contains(graph) && !text("plain/report.html").contains(graph),
             "{graph}"

@@ -69,9 +69,9 @@ pub fn panels(transients: &[Transient]) -> Vec<Panel> {
 /// Graphs of the columns that not every trace has: title with unit, what their names end in, and the factor from the unit
 /// of the column. A name ends in its unit, which its label leaves out; a column without a unit is named whole.
 const EXTRA_GRAPHS: [(&str, &str, f64); 11] = [
-    ("pressures in receiver and valve, kPa", "_pa", 1e-3),
-    ("temperatures in receiver and valve, K", "_k", 1.0),
-    ("flows of receiver and lands, g/s", "_kg_s", 1e3),
+    ("pressures in supply and valve, kPa", "_pa", 1e-3),
+    ("temperatures in supply and valve, K", "_k", 1.0),
+    ("flows of supply and lands, g/s", "_kg_s", 1e3),
     ("places in the law, mm", "_mm", 1.0),
     ("velocities in the law, m/s", "_m_s", 1.0),
     ("forces in the law, N", "_n", 1.0),

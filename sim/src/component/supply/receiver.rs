@@ -12,7 +12,8 @@
 //!
 //! Air has the temperature of where it comes from: T_s is that of the receiver, or of a node that gives air back. P_l and T_l are
 //! constant, T_e is the temperature of the surroundings, which the walls keep, and h = 0 makes them adiabatic. So mass and
-//! energy of receiver and chambers change by what line, exhaust, walls and piston exchange with them, and by nothing else.
+//! energy of receiver and chambers change by what line, exhaust, walls and piston exchange with them, and by nothing else; but
+//! with `valve.upstream_mach` the air that approaches a land is warmer than that (6.54), and the mass alone is in balance.
 //!
 //! Near P = P_l the ellipse of ISO 6358 has an infinite slope over P, so that the receiver would be full within a finite time and
 //! its flow would not be defined by what is missing. From a difference of a thousandth on phi goes to 0 in proportion, with the value
