@@ -14,7 +14,7 @@ use pneudrive_sim::{Accuracy, Rig};
 
 use crate::hidden_rigs::Hidden;
 use crate::hidden_rigs::coverage::{Coverage, held, spread};
-use crate::hidden_rigs::rigs::{any_rig, lacking_rig, scaled_rig, shipped_rig};
+use crate::hidden_rigs::rigs::{any_rig, lacking_rig, live_rig, scaled_rig, shipped_rig};
 use crate::program::folder;
 
 fn pneudrive() -> &'static Path {
@@ -50,6 +50,16 @@ fn a_drive_that_its_dither_shakes_is_identified() {
     let trial = scaled_rig(1015).identify(pneudrive(), folder.path()).expect("an identification");
     println!("{}", trial.summary());
     assert!(trial.fits && trial.told.iter().filter(|told| !told.holds()).count() <= 1);
+}
+
+/// Between the tests its air keeps what a move has left of warmth, and its spool the side of the hysteresis.
+#[test]
+fn a_drive_that_goes_on_between_the_tests_is_identified() {
+    let folder = folder();
+    let trial = live_rig(1).identify(pneudrive(), folder.path()).expect("an identification");
+    println!("{}", trial.summary());
+    assert!(trial.fits && trial.told.iter().filter(|told| !told.holds()).count() <= 1);
+    assert!(trial.runs < 15_000, "{} runs", trial.runs);
 }
 
 /// The search ends before the minimum of a long valley, and an error of the clock that is no larger than its tolerance was named

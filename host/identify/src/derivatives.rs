@@ -85,7 +85,7 @@ impl FittedModel<'_> {
     fn recordings_of(&self, unknown: usize) -> Range<usize> {
         match unknown.checked_sub(self.parameters.len()) {
             None => 0..self.recordings.len(),
-            Some(i) => i / self.starts..i / self.starts + 1,
+            Some(i) => i / self.unknowns_of_start()..i / self.unknowns_of_start() + 1,
         }
     }
 

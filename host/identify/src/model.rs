@@ -13,12 +13,13 @@ use pneudrive_sim::component::sensors::calibration::Calibration;
 use pneudrive_sim::follow::Reading;
 use pneudrive_sim::keys;
 use pneudrive_sim::{Accuracy, Rig};
+use statrs::statistics::Statistics;
 
 use super::ChannelFit;
 use super::budget::Budget;
 use super::limits::Limit;
 use super::parameter::Parameter;
-use super::recording::{CHANNELS, Channel, Recording, STARTS, reading, starts_of};
+use super::recording::{AIR, CHANNELS, Channel, PRESSURES, Recording, SIDE, STARTS, reading, remembers};
 use pneudrive_evaluate::cancel::CancelToken;
 use pneudrive_evaluate::parallel;
 
@@ -26,10 +27,16 @@ use pneudrive_evaluate::parallel;
 const COUNTS: f64 = 10.0;
 
 /// The same of the side of a hysteresis, of which no place is more likely than another: 1 / sqrt(3).
-const SIDE: f64 = 0.577_350_269_189_625_8;
+const OF_SIDE: f64 = 0.577_350_269_189_625_8;
+
+/// The same of the temperature of a chamber, K: what a second of rest leaves of the warmth of a move.
+const KELVINS: f64 = 10.0;
 
 /// In the order of an initial state.
-const OF_START: [f64; STARTS] = [COUNTS, COUNTS, COUNTS, SIDE];
+const OF_START: [f64; STARTS] = [COUNTS, COUNTS, COUNTS, KELVINS, KELVINS, OF_SIDE];
+
+/// Pressures that scatter by so many standard deviations of their noise are not the same.
+const CLEARLY: f64 = 5.0;
 
 /// Longest step of a search along a quantity of an initial state, in u.
 const LONGEST_OF_START: f64 = 0.3;
@@ -56,8 +63,8 @@ pub(super) struct FittedModel<'a> {
     pub recordings: &'a [Recording],
     /// The first of the unknowns, in the order of u.
     pub parameters: Vec<Parameter>,
-    /// Quantities of an initial state that are unknown.
-    pub starts: usize,
+    /// The quantities of an initial state that are unknown, by their places.
+    starts: Vec<usize>,
     /// Accuracy of the runs.
     accuracy: Accuracy,
     /// sigma of each channel, counts.
@@ -97,11 +104,16 @@ impl<'a> FittedModel<'a> {
         parameters: Vec<Parameter>,
         accuracy: Accuracy,
     ) -> FittedModel<'a> {
+        let (remembers, goes_on) = (remembers(rig), goes_on(recordings));
+        let is_unknown = |place: &usize| match *place {
+            SIDE => remembers,
+            place => goes_on || !AIR.contains(&place),
+        };
         FittedModel {
             rig: rig.clone(),
             recordings,
             parameters,
-            starts: starts_of(rig),
+            starts: (0..STARTS).filter(is_unknown).collect(),
             accuracy,
             noise: first_noise(recordings),
             share: 1.0,
@@ -122,9 +134,14 @@ impl<'a> FittedModel<'a> {
         FittedModel { parameters: [&self.parameters[..], more].concat(), ..self.clone() }
     }
 
+    /// Unknowns of the initial state of a recording.
+    pub fn unknowns_of_start(&self) -> usize {
+        self.starts.len()
+    }
+
     /// Number of unknowns.
     pub fn unknowns(&self) -> usize {
-        self.parameters.len() + self.starts * self.recordings.len()
+        self.parameters.len() + self.starts.len() * self.recordings.len()
     }
 
     /// Runs of a recording so far.
@@ -156,8 +173,12 @@ impl<'a> FittedModel<'a> {
 
     /// How far the initial state of a recording is off the measured one at a point, counts, and the side of its hysteresis.
     pub fn start_at(&self, u: &[f64], recording: usize) -> [f64; STARTS] {
-        let first = self.parameters.len() + self.starts * recording;
-        std::array::from_fn(|i| if i < self.starts { OF_START[i] * u[first + i] } else { 0.0 })
+        let first = self.parameters.len() + self.starts.len() * recording;
+        let mut off = [0.0; STARTS];
+        for (i, &place) in self.starts.iter().enumerate() {
+            off[place] = OF_START[place] * u[first + i];
+        }
+        off
     }
 
     /// The calibration errors at a point.
@@ -295,9 +316,10 @@ impl<'a> FittedModel<'a> {
         let frictions = FRICTIONS.iter().filter_map(|(coulomb, stiction)| self.below(coulomb, stiction));
         // A side is from -1 to 1.
         let first = self.parameters.len();
+        let is_side = |i: &usize| self.starts[(i - first) % self.starts.len()] == SIDE;
+        let sides = (first..self.unknowns()).filter(is_side);
         let sides =
-            (first..self.unknowns()).filter(|i| self.starts == STARTS && (i - first) % STARTS == STARTS - 1);
-        let sides = sides.flat_map(|i| [Limit::at_least(i, -1.0 / SIDE), Limit::at_most(i, 1.0 / SIDE)]);
+            sides.flat_map(|i| [Limit::at_least(i, -1.0 / OF_SIDE), Limit::at_most(i, 1.0 / OF_SIDE)]);
         ranges.chain(frictions).chain(sides).filter(|limit| limit.bound.is_finite()).collect()
     }
 
@@ -320,6 +342,15 @@ impl<'a> FittedModel<'a> {
             (None, None) => None,
         }
     }
+}
+
+/// Whether a drive goes on between its tests: its pressures at their starts scatter by more than noise. It then has air that is as
+/// warm as its last moves have left it. One that begins each test anew, as a simulated one does, has the same air each time.
+fn goes_on(recordings: &[Recording]) -> bool {
+    PRESSURES.into_iter().any(|channel| {
+        let starts = recordings.iter().map(|recording| recording.channels[channel].measured[0]);
+        starts.std_dev() > CLEARLY * noise_at_rest(recordings, channel)
+    })
 }
 
 /// Scatter of a channel in all rests together.

@@ -2,6 +2,8 @@
 
 mod encoder;
 
+use std::ops::Range;
+
 use anyhow::{Context, Result, anyhow, bail};
 use pneudrive_controller::Command;
 use pneudrive_controller::parameters::id;
@@ -28,8 +30,13 @@ pub const CHANNELS: [(&str, &str); 4] =
 const KEYS_OF_START: [&str; 3] =
     [keys::test::POSITION_M.key.path, keys::test::PRESSURE_1_PA.key.path, keys::test::PRESSURE_2_PA.key.path];
 
-/// That which none measures: the side of the hysteresis on which the last command has left the spool.
-const SIDE: &Key = &keys::hysteresis::HYSTERESIS_SIDE.key;
+/// Those that none measures: the temperatures that the last move has left, and the side of the hysteresis on which its last command
+/// has left the spool.
+const UNMEASURED: [&Key; 3] = [
+    &keys::test::TEMPERATURE_1_K.key,
+    &keys::test::TEMPERATURE_2_K.key,
+    &keys::hysteresis::HYSTERESIS_SIDE.key,
+];
 
 /// The dry friction of a load, and the part of the file's that may be left of it: it is known to a factor of two.
 const DRY_FRICTION: [&str; 4] = [
@@ -50,14 +57,22 @@ const MAX_PERIOD_ERROR: f64 = 0.5;
 const ROUNDING_ALONE: f64 = 0.15;
 
 /// Quantities of an initial state: first those that are measured.
-pub const STARTS: usize = KEYS_OF_START.len() + 1;
+pub const STARTS: usize = KEYS_OF_START.len() + UNMEASURED.len();
 
-/// How many of them a rig has, the first ones. A spool without hysteresis has no side, and a dither wider than that leaves none.
+/// The places of the pressures among them.
+pub(super) const PRESSURES: [usize; 2] = [1, 2];
+
+/// The places of the temperatures.
+pub(super) const AIR: Range<usize> = KEYS_OF_START.len()..KEYS_OF_START.len() + 2;
+
+/// The place of the side of the hysteresis.
+pub(super) const SIDE: usize = STARTS - 1;
+
+/// Whether a spool remembers its last command: one without hysteresis does not, and a dither wider than that makes it forget.
 #[must_use]
-pub(super) fn starts_of(rig: &Rig) -> usize {
-    let remembers = rig.get(&keys::operator::MODEL).is_solenoid()
-        && 1e3 * hysteresis::half_width(rig) > rig.get(&keys::dither::DITHER_MM);
-    if remembers { STARTS } else { STARTS - 1 }
+pub(super) fn remembers(rig: &Rig) -> bool {
+    rig.get(&keys::operator::MODEL).is_solenoid()
+        && 1e3 * hysteresis::half_width(rig) > rig.get(&keys::dither::DITHER_MM)
 }
 
 /// Fewest samples at rest under an unchanged command that a record begins with.
@@ -208,23 +223,27 @@ impl Recording {
         Ok(Recording { name: name.to_owned(), timing, commands, channels, start })
     }
 
-    /// The initial state of a rig of which sensors with these errors read what is `off` the one that was measured, in counts, with
-    /// the side of its hysteresis behind them: its values, each with its key.
+    /// The initial state of a rig of which sensors with these errors read what is `off` the one that was measured, in counts, and
+    /// of which what no sensor measures is `off` the file's: its values, each with its key.
     pub fn start(
         &self,
         rig: &Rig,
         off: [f64; STARTS],
         calibration: &Calibration,
     ) -> impl Iterator<Item = (&'static str, f64)> + use<> {
-        let read: [f64; 3] = std::array::from_fn(|i| self.start[i] + off[i] * self.channels[i].scale);
+        let read: [f64; KEYS_OF_START.len()] =
+            std::array::from_fn(|i| self.start[i] + off[i] * self.channels[i].scale);
         let values = if calibration.is_exact() {
             read
         } else {
             let (position, [one, two]) = calibration.true_values(read[0], [read[1], read[2]]);
             [position, one, two]
         };
-        let side = (starts_of(rig) == STARTS).then_some((SIDE.path, off[STARTS - 1]));
-        KEYS_OF_START.into_iter().zip(values).chain(side)
+        let unmeasured = UNMEASURED.into_iter().zip(&off[KEYS_OF_START.len()..]);
+        let unmeasured = unmeasured.take(if remembers(rig) { UNMEASURED.len() } else { AIR.len() });
+        let unmeasured: Vec<_> =
+            unmeasured.map(|(key, off)| (key.path, rig.number_at(key.path).unwrap_or(0.0) + off)).collect();
+        KEYS_OF_START.into_iter().zip(values).chain(unmeasured)
     }
 
     /// What the sensors of `rig` would read under the first `samples` commands; no more than `most` evaluations of the
