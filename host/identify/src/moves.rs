@@ -13,10 +13,12 @@
 //! - **A half open valve**, so that its opening matters: gain and null.
 //! - **Rests of two lengths**, in which pressures creep: noise, leakage and null.
 //!
-//! How long a stroke takes is told by the model of the rig file, so that any cylinder stays within its ends.
+//! How long a stroke takes is told by the model of the rig file, so that any cylinder stays within its ends. Behind what is fitted the
+//! valve opens to the other side until the model has lost most of its speed: a fast load would run into the end of its stroke.
 
 use anyhow::{Result, bail};
 use pneudrive_controller::{Command, drive};
+use pneudrive_records::target::TargetFile;
 use pneudrive_sim::component::encoder::{self, mm_per_count};
 use pneudrive_sim::component::operator;
 use pneudrive_sim::follow::Timing;
@@ -57,6 +59,16 @@ const SHORTEST: f64 = 0.1;
 /// Longest time of a stroke, s.
 const LONGEST_S: f64 = 0.6;
 
+/// Part of its speed that a load has left when it is no longer braked. One that is heavier or slower than the model's still moves
+/// then, and none is thrown back.
+const LEFT_OF_SPEED: f64 = 0.1;
+
+/// How far from the ends of the stroke the model stops at least, as a part of it.
+pub const STOPS_FROM_END: f64 = 0.1;
+
+/// Parts of a stroke of the valve that are tried for that, the best first.
+const PARTS: [f64; 5] = [1.0, 0.8, 0.6, 0.45, 0.3];
+
 /// Fewest samples of a rest before a stroke and of a test: a few more than a fit asks for.
 const RESTING: usize = FEWEST_AT_REST + 4;
 const FEWEST: usize = FEWEST_OF_A_RECORD + 4;
@@ -72,13 +84,14 @@ const STAIR: [(i32, f64); 6] =
 ///
 /// # Errors
 /// When the piston is too near to an end.
-pub fn ramp(rig: &Rig, position: f64) -> Result<Option<Rig>> {
+pub fn ramp(rig: &Rig, position: f64) -> Result<Option<Planned>> {
     let room = room(rig, position, 1.0)?.min(room(rig, position, -1.0)?.abs());
     for (height, seconds) in STAIR {
         let test = staircase(rig, position, height, seconds)?;
         let rows = run(&test, Accuracy::default())?.rows;
         if rows.iter().all(|row| (row.plant.position - position).abs() < room) {
-            return Ok(Some(test));
+            let samples = test.last_sample() as usize + 1;
+            return Ok(Some(Planned { name: "static", rig: test, samples }));
         }
     }
     Ok(None)
@@ -93,25 +106,67 @@ fn staircase(rig: &Rig, position: f64, height: i32, seconds: f64) -> Result<Rig>
     with_moves(rig, position, &moves, time(stairs.len()))
 }
 
-/// A test on the drive of `rig` with its piston at `position`, m: the rig with this test.
+/// A test on a drive, and how many of its samples come before it brakes.
+#[derive(Clone, Debug)]
+pub struct Planned {
+    /// What it is.
+    pub name: &'static str,
+    /// The rig with the test.
+    pub rig: Rig,
+    /// The samples that are read off and fitted.
+    pub samples: usize,
+}
+
+impl Planned {
+    /// The part of a record of it that is read off and fitted.
+    #[must_use]
+    pub fn before_it_brakes(&self, mut record: TargetFile) -> TargetFile {
+        record.samples.retain(|(index, _)| usize::try_from(*index).is_ok_and(|index| index < self.samples));
+        record
+    }
+}
+
+/// A test on the drive of `rig` with its piston at `position`, m, as long as the model can be stopped before an end.
 ///
 /// # Errors
-/// When the piston is too near to an end, or the model does not move.
-pub fn test(rig: &Rig, position: f64, (_, rest, strokes): Test) -> Result<Rig> {
+/// When the piston is too near to an end, or the model does not move or cannot be stopped.
+pub fn test(rig: &Rig, position: f64, test: Test) -> Result<Planned> {
     let start = middle_of_count(rig, position);
     let rig = &rig.with_numbers(&[(keys::test::POSITION_M.path, start)])?;
-    let period = 1e-6 * f64::from(rig.period_us().get());
+    let stroke = rig.get(&keys::actuator::STROKE_M);
+    let inside = STOPS_FROM_END * stroke..=(1.0 - STOPS_FROM_END) * stroke;
+    for part in PARTS {
+        let (planned, stops) = part_of_test(rig, start, test, part)?;
+        if inside.contains(&stops) {
+            return Ok(planned);
+        }
+    }
+    bail!(
+        "the model of {} cannot be stopped within its stroke of {:.0} mm after the valve was open; it is too fast for the tests",
+        rig.name(),
+        1e3 * stroke
+    )
+}
+
+/// A part of a test, and where the model stops behind it, m.
+fn part_of_test(rig: &Rig, start: f64, (name, rest, strokes): Test, part: f64) -> Result<(Planned, f64)> {
+    let period = period_s(rig);
     let mut moves = vec![(0.0, 0)];
     let mut time = rest.max(period * RESTING as f64);
-    for (command, part) in strokes {
+    for (command, share) in strokes {
         let room = room(rig, start, f64::from(strokes[0].0).signum())?;
         moves.push((time, scaled(rig, *command)));
-        time += stroke_time(rig, &moves, start + part * room)?;
+        time += stroke_time(rig, &moves, start + part * share * room)?;
     }
     // A short cylinder rests longer before.
     let later = (period * FEWEST as f64 - time).max(0.0);
     moves[1..].iter_mut().for_each(|(at, _)| *at += later);
-    with_moves(rig, position, &moves, time + later)
+    let last = with_moves(rig, start, &moves, time + later)?.last_sample();
+    let end = period * f64::from(last + 1);
+    moves.push((end, -moves[moves.len() - 1].1));
+    let (braking, stops) = braking(rig, &moves)?;
+    let rig = with_moves(rig, start, &moves, end + braking)?;
+    Ok((Planned { name, rig, samples: last as usize + 1 }, stops))
 }
 
 /// A start on the edge of a count is ill-defined.
@@ -157,10 +212,32 @@ fn room(rig: &Rig, start: f64, direction: f64) -> Result<f64> {
 
 /// How long the last of these moves takes to `goal`, m, on the model, s.
 fn stroke_time(rig: &Rig, moves: &[(f64, i32)], goal: f64) -> Result<f64> {
+    let (first, positions) = positions_on_model(rig, moves)?;
+    let counts = moves[moves.len() - 1].1;
+    let beyond = |position: &f64| (position - goal) * f64::from(counts.signum()) >= 0.0;
+    let arrived = positions.iter().skip(first).position(beyond);
+    let moved = (positions[positions.len() - 1] - positions[first]).abs();
+    if arrived.is_none() && moved < 0.1 * SHORTEST * rig.get(&keys::actuator::STROKE_M) {
+        bail!("the model of {} does not move under a command of {counts}", rig.name());
+    }
+    Ok(period_s(rig) * arrived.unwrap_or(positions.len() - first) as f64)
+}
+
+/// How long the last of these moves takes to stop the model but for a part of its speed, s, and where it stops, m.
+fn braking(rig: &Rig, moves: &[(f64, i32)]) -> Result<(f64, f64)> {
+    let (first, positions) = positions_on_model(rig, moves)?;
+    let travel = |k: usize| positions[k] - positions[k - 1];
+    let braked = (first + 1..positions.len()).find(|k| travel(*k) / travel(first) < LEFT_OF_SPEED);
+    let braked = braked.unwrap_or(positions.len() - 1);
+    Ok((period_s(rig) * (braked - first) as f64, positions[braked]))
+}
+
+/// Where the model is, m, at each sample until [`LONGEST_S`] after the last of these moves, and the sample at which that begins.
+fn positions_on_model(rig: &Rig, moves: &[(f64, i32)]) -> Result<(usize, Vec<f64>)> {
     let period_us = u64::from(rig.period_us().get());
     let timing = Timing { period_us, delay_us: rig.microseconds(&keys::controller::DELAY_S) };
     let time = |k: usize| 1e-6 * period_us as f64 * k as f64;
-    let (begun, counts) = moves[moves.len() - 1];
+    let begun = moves[moves.len() - 1].0;
     let samples = ((begun + LONGEST_S) / time(1)) as usize;
     let mut spool = 0;
     let commands: Vec<Command> = (0..samples)
@@ -172,38 +249,52 @@ fn stroke_time(rig: &Rig, moves: &[(f64, i32)], goal: f64) -> Result<f64> {
         })
         .collect();
     let readings = follow(rig, Accuracy::default(), timing, &commands)?;
-    let first = (begun / time(1)).ceil() as usize;
-    let beyond = |position: f64| (position - goal) * f64::from(counts.signum()) >= 0.0;
-    let arrived = readings.iter().skip(first).position(|reading| beyond(reading.position));
-    let moved = (readings[readings.len() - 1].position - readings[first].position).abs();
-    if arrived.is_none() && moved < 0.1 * SHORTEST * rig.get(&keys::actuator::STROKE_M) {
-        bail!("the model of {} does not move under a command of {counts}", rig.name());
-    }
-    Ok(time(arrived.unwrap_or(samples - first)))
+    Ok(((begun / time(1)).ceil() as usize, readings.iter().map(|reading| reading.position).collect()))
+}
+
+/// The period of the controller, s.
+fn period_s(rig: &Rig) -> f64 {
+    1e-6 * f64::from(rig.period_us().get())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    /// A rig in open loop in the middle of its stroke, and its stroke, m.
+    fn in_the_middle(name: &str) -> (Rig, f64) {
+        let text = pneudrive_sim::rigfile::builtin(name).expect("built in");
+        let rig = Rig::read_with(name, text, &["controller.loop=open".to_owned()]).expect("valid");
+        let stroke = rig.get(&keys::actuator::STROKE_M);
+        (rig, stroke)
+    }
+
+    /// A test with the valve at its null behind it, for as long as a host takes to say what comes next.
+    fn left_alone(test: &Rig) -> Rig {
+        let end = test.get(&keys::test::DURATION_S);
+        let moves = test.moves().into_iter().chain([(end, 0)]);
+        let moves: Vec<String> = moves.map(|(time, counts)| format!("[{time:.4}, {counts}]")).collect();
+        let settings = [
+            keys::test::MOVES.setting(format_args!("[{}]", moves.join(", "))),
+            keys::test::DURATION_S.setting(end + 0.3),
+            keys::test::POSITION_M.setting(test.get(&keys::test::POSITION_M)),
+        ];
+        test.with_test(&settings).expect("a test")
+    }
+
     #[test]
-    fn every_servo_drive_stays_far_from_its_ends_on_every_test() {
-        for name in ["servo-a-tuned", "servo-b-tuned", "servo-c-tuned"] {
-            let text = pneudrive_sim::rigfile::builtin(name).expect("built in");
-            let rig = Rig::read_with(name, text, &["controller.loop=open".to_owned()]).expect("valid");
-            let stroke = rig.get(&keys::actuator::STROKE_M);
+    fn every_drive_stays_far_from_its_ends_on_every_test_and_behind_it() {
+        for name in ["servo-a-tuned", "servo-b-tuned", "servo-c-tuned", "press"] {
+            let (rig, stroke) = in_the_middle(name);
             let timed = [MOVEMENT, DYNAMIC].into_iter().chain(FITTED);
             let mut tests: Vec<Rig> =
-                timed.map(|each| test(&rig, 0.5 * stroke, each).expect("a test")).collect();
-            tests.extend(ramp(&rig, 0.5 * stroke).expect("a ramp"));
-            for test in tests {
+                timed.map(|each| test(&rig, 0.5 * stroke, each).expect("a test").rig).collect();
+            tests.extend(ramp(&rig, 0.5 * stroke).expect("a ramp").map(|ramp| ramp.rig));
+            for (i, test) in tests.iter().map(left_alone).enumerate() {
                 let rows = run(&test, Accuracy::default()).expect("a run").rows;
-                let moved = rows.iter().map(|row| row.plant.position);
-                assert!(moved.clone().all(|y| y > 0.05 * stroke && y < 0.95 * stroke), "{name}");
-                assert!(
-                    moved.clone().any(|y| (y - 0.5 * stroke).abs() > 0.03 * stroke),
-                    "{name} does not move"
-                );
+                let moved: Vec<f64> = rows.iter().map(|row| row.plant.position / stroke).collect();
+                assert!(moved.iter().all(|y| (0.09..0.91).contains(y)), "{name}, test {i}");
+                assert!(moved.iter().any(|y| (y - 0.5).abs() > 0.03), "{name} does not move");
             }
         }
     }

@@ -10,7 +10,7 @@ use pneudrive_records::target::TargetFile;
 use pneudrive_sim::component::encoder::{self, mm_per_count};
 use pneudrive_sim::{Rig, keys};
 
-use super::moves;
+use super::moves::{self, Planned};
 pub use super::recording::NEEDS_PRESSURES;
 use super::recording::Recording;
 
@@ -97,7 +97,7 @@ impl<B: TestRig> Plan<'_, B> {
         let middle = encoder::middle(self.open, f64::from(self.count));
         let position = middle * 1e-3 * mm_per_count(self.open);
         let open = self.open;
-        let test = |test: moves::Test| Ok((test.0, moves::test(open, position, test)?));
+        let test = |test: moves::Test| moves::test(open, position, test);
         let movement = test(moves::MOVEMENT)?;
         let ramp = moves::ramp(open, position)?;
         if ramp.is_none() {
@@ -105,48 +105,49 @@ impl<B: TestRig> Plan<'_, B> {
                 "the static test is skipped; the drive would travel too far while the valve opens slowly"
             );
         }
-        let mut read_off: Vec<(&str, Rig)> = ramp.map(|ramp| ("static", ramp)).into_iter().collect();
-        read_off.push(test(moves::DYNAMIC)?);
+        let read_off: Vec<Planned> = ramp.into_iter().chain([test(moves::DYNAMIC)?]).collect();
         let fitted = moves::FITTED.map(test).into_iter().collect::<Result<Vec<_>>>()?;
         // In closed loop a drive with swapped tubes would run away, so there is no return before this.
         let (name, file) = self.record(&movement, |file| check_movement(&file.samples))?;
         let mut recorded = Recorded { fitted: Vec::new(), all: Vec::new() };
-        recorded.read_off(Recording::of(&name, &file, &movement.1));
+        recorded.read_off(Recording::of(&name, &file, &movement.rig));
         for test in &read_off {
             let (name, file) = self.record_from_the_start(test)?;
-            recorded.read_off(Recording::of(&name, &file, &test.1));
+            recorded.read_off(Recording::of(&name, &file, &test.rig));
         }
         for test in &fitted {
             let (name, file) = self.record_from_the_start(test)?;
-            recorded.fitted.push(Recording::of(&name, &file, &test.1)?);
+            recorded.fitted.push(Recording::of(&name, &file, &test.rig)?);
         }
         recorded.all.extend(recorded.fitted.iter().cloned());
         Ok(recorded)
     }
 
     /// Returns to the position at which the plan began, runs a test and records it, unless it is recorded already.
-    fn record_from_the_start(&mut self, test: &(&str, Rig)) -> Result<(String, TargetFile)> {
-        if self.bench.kept(test.0).is_none() {
+    fn record_from_the_start(&mut self, test: &Planned) -> Result<(String, TargetFile)> {
+        if self.bench.kept(test.name).is_none() {
             let return_move = self.return_move()?;
             self.bench.run(&return_move)?;
         }
         self.record(test, |_| Ok(()))
     }
 
-    /// The record of a test, made now or by an interrupted plan, and its name for messages. One that `check` refuses is not kept.
+    /// The record of a test before it brakes, made now or by an interrupted plan, and its name for messages. One that `check` refuses
+    /// is not kept.
     fn record(
         &mut self,
-        (name, test): &(&str, Rig),
+        test: &Planned,
         check: impl Fn(&TargetFile) -> Result<()>,
     ) -> Result<(String, TargetFile)> {
-        if let Some((path, file)) = self.bench.kept(name) {
-            return Ok((format!("{path}, {name}"), file));
+        if let Some((path, file)) = self.bench.kept(test.name) {
+            return Ok((format!("{path}, {}", test.name), test.before_it_brakes(file)));
         }
-        self.bench.run(test)?;
-        let (path, file) = self.bench.record(name)?;
-        let told = format!("{path}, {name}");
+        self.bench.run(&test.rig)?;
+        let (path, file) = self.bench.record(test.name)?;
+        let told = format!("{path}, {}", test.name);
+        let file = test.before_it_brakes(file);
         check(&file).with_context(|| told.clone())?;
-        self.bench.keep(name, &path)?;
+        self.bench.keep(test.name, &path)?;
         Ok((told, file))
     }
 

@@ -29,10 +29,14 @@ pub fn records(
         let mut bench = AtDrive { client, meter, files: Vec::new() };
         Ok((plan::run(&mut bench, closed, open, count)?, bench.files))
     })?;
-    let fitted: Vec<String> = recorded.fitted.into_iter().map(|recording| recording.name).collect();
-    let is_fitted = |number: usize| fitted.iter().any(|name| name.starts_with(&format!("{number}, ")));
-    let numbered = (1..).zip(files).filter(|(number, _)| is_fitted(*number));
-    Ok(numbered.map(|(_, file)| file).collect())
+    // A record goes on behind what is fitted, as the drive brakes.
+    let fitted = |(number, (name, mut file)): (usize, (String, TargetFile))| {
+        let begins = format!("{number}, ");
+        let recording = recorded.fitted.iter().find(|recording| recording.name.starts_with(&begins))?;
+        file.samples.truncate(recording.commands.len());
+        Some((name, file))
+    };
+    Ok((1..).zip(files).filter_map(fitted).collect())
 }
 
 /// A drive, and what was recorded on it.
