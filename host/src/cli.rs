@@ -1,6 +1,7 @@
 //! Arguments of the command line.
 
 mod choices;
+mod commission;
 mod design;
 mod device;
 mod experiments;
@@ -19,6 +20,7 @@ use pneudrive_rigs::wiring::WiringFault;
 use pneudrive_sim::trace::{EXTRAS, Extra};
 
 pub use choices::{EnsembleChoice, Integration, MethodName, Pages, RigChoice};
+pub use commission::Commission;
 pub use design::NewRig;
 pub use device::{BringUp, ConfigAction, Device, DeviceAction, Position, RecordsAction, ValveAction};
 pub use experiments::{ALL, Characterise, LIST, Ladder, Merge, Study, Sweep, Thesis, Tune};
@@ -68,6 +70,8 @@ pub enum Command {
     Eval(Eval),
     /// Plot TARGET files and simulated runs on the same graphs, with their deviations
     Overlay(Overlay),
+    /// Commission a drive: reference, tests, fit, the parameters of what was found, and trial moves beside its twin
+    Commission(Commission),
     /// Identify parameters of a rig from recorded transients, with their uncertainties
     Identify(Identify),
     /// Show the spectrum of a channel as a graph and a table of its peaks

@@ -1,6 +1,7 @@
 //! The subcommands, one thin file each.
 
 mod characterise;
+mod commission;
 mod demo;
 mod device;
 mod eval;
@@ -118,6 +119,7 @@ pub fn execute(cli: Cli) -> Result<()> {
         Command::Replay(arguments) => replay::execute(&arguments),
         Command::Eval(arguments) => eval::execute(&arguments),
         Command::Overlay(arguments) => overlay::execute(&arguments),
+        Command::Commission(arguments) => commission::execute(&arguments),
         Command::Identify(arguments) => identify::execute(&arguments),
         Command::Spectrum(arguments) => spectrum::execute(&arguments),
         Command::Export(arguments) => export::execute(&arguments),

@@ -5,6 +5,7 @@ mod bring_up;
 mod calibration;
 mod characterise;
 mod cli;
+mod commission;
 mod crowd;
 mod device;
 #[cfg(unix)]

@@ -7,7 +7,7 @@ use pneudrive_report::Library;
 use pneudrive_sim::{Accuracy, Method, PERTURBATION, Rig};
 
 /// Which rig, and what to change in it.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 pub struct RigChoice {
     /// A built-in rig (`pneudrive rig list`) or a rig file
     #[arg(value_name = "RIG")]

@@ -1,10 +1,10 @@
 //! Arguments of the commands that look at transients.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 
-use super::{Integration, Pages, RigChoice};
+use super::{Integration, MethodName, Pages, RigChoice};
 
 /// A time interval.
 #[derive(Debug, Args)]
@@ -197,4 +197,24 @@ pub struct Identify {
     /// How its pages are written.
     #[command(flatten)]
     pub pages: Pages,
+}
+
+impl Identify {
+    /// What `--plan` does on a rig, with the defaults.
+    #[must_use]
+    pub fn of_plan(rig: &RigChoice, port: &str, out: &Path, pages: Pages) -> Identify {
+        Identify {
+            rig: rig.clone(),
+            targets: Vec::new(),
+            tubing: None,
+            conductance: None,
+            timer: false,
+            plan: Some(port.to_owned()),
+            fit: Vec::new(),
+            despite_misfit: false,
+            out: out.to_owned(),
+            integration: Integration { method: MethodName::DormandPrince, tolerance: None },
+            pages,
+        }
+    }
 }

@@ -19,6 +19,8 @@ use pneudrive_records::words;
 use pneudrive_session::drive::{self, Homed};
 use serde_json::{Value, json};
 
+pub(super) use bring_up::asked;
+
 use super::interrupts::Interrupts;
 use super::monitor::status_figures;
 use crate::cli::{Device, DeviceAction, Position};

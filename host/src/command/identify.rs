@@ -29,7 +29,7 @@ use crate::exit::Exit;
 use crate::json;
 
 /// Names of the files in the folder.
-const FITTED: &str = "fitted.toml";
+pub(super) const FITTED: &str = "fitted.toml";
 const NUMBERS: &str = "identification.json";
 const PAGE: &str = "identification.html";
 
@@ -44,6 +44,17 @@ pub(super) fn execute(arguments: &Identify) -> Result<()> {
     if arguments.timer {
         return simple::timer(&arguments.targets);
     }
+    let found = identified(arguments)?;
+    let Some(refusal) = report::refusal(&found) else { return Ok(()) };
+    Err(Exit::NotBorneOut.error(format!(
+        "{refusal}; {} shows the residuals, and --despite-misfit writes {FITTED} nevertheless",
+        arguments.out.join(PAGE).display()
+    )))
+}
+
+/// The fit, whether it explains the data or not, with its files written.
+pub(super) fn identified(arguments: &Identify) -> Result<Identification> {
+    let rig = load_choice(&arguments.rig)?;
     let parameters = if arguments.fit.is_empty() {
         usual(&rig)
     } else {
@@ -65,11 +76,7 @@ pub(super) fn execute(arguments: &Identify) -> Result<()> {
         say!("{note}");
     }
     write(arguments, &recordings, &found, &report::page(&rig, &recordings, accuracy, &found, figures))?;
-    let Some(refusal) = report::refusal(&found) else { return Ok(()) };
-    Err(Exit::NotBorneOut.error(format!(
-        "{refusal}; {} shows the residuals, and --despite-misfit writes {FITTED} nevertheless",
-        arguments.out.join(PAGE).display()
-    )))
+    Ok(found)
 }
 
 /// Writes the fitted rig file. If the fit is refused, removes the file of an earlier fit, which would be taken for this

@@ -59,6 +59,7 @@ pub const FIGURES: &[Figures] = &[
     figures(&["identify"], &[analyses::IDENTIFY, analyses::SIMPLE]).about(
         "With `--tubing`, `--conductance` or `--timer`, those from `drop_slope` on instead of the others.",
     ),
+    figures(&["commission"], &[analyses::IDENTIFY, analyses::COMMISSION]),
     figures(&["sweep", "merge"], &[analyses::SWEEP]),
     figures(&["ladder"], &[analyses::LADDER]),
     figures(&["tune"], &[analyses::TUNE]),

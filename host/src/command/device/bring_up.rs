@@ -53,14 +53,12 @@ struct Person {
     yes: bool,
 }
 
-impl Person {
-    /// An answer at the terminal; anything but yes is no.
-    fn asked(&self, question: &str) -> bool {
-        Stream::Errors.note(Stream::Errors.write(format!("{question} [y/N] ").as_bytes()));
-        let mut answer = String::new();
-        let read = stdin().lock().read_line(&mut answer);
-        read.is_ok() && matches!(answer.trim().to_lowercase().as_str(), "y" | "yes")
-    }
+/// An answer at the terminal; anything but yes is no.
+pub(in crate::command) fn asked(question: &str) -> bool {
+    Stream::Errors.note(Stream::Errors.write(format!("{question} [y/N] ").as_bytes()));
+    let mut answer = String::new();
+    let read = stdin().lock().read_line(&mut answer);
+    read.is_ok() && matches!(answer.trim().to_lowercase().as_str(), "y" | "yes")
 }
 
 impl Operator for Person {
@@ -83,11 +81,11 @@ impl Operator for Person {
         if self.yes {
             tell!("the cylinder moves now (--yes)");
         }
-        self.yes || self.asked(question)
+        self.yes || asked(question)
     }
 
     fn answers(&mut self, question: &str) -> Option<bool> {
-        (!self.yes).then(|| self.asked(question))
+        (!self.yes).then(|| asked(question))
     }
 
     fn goes_on(&mut self) -> Result<()> {

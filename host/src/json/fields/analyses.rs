@@ -41,6 +41,13 @@ pub(super) const SIMPLE: &[Field] = fields! {
     "intercept_us, slope": "any, optional", "of the line through them: `value` and `standard_error`, or null";
 };
 
+/// Of `commission`, with the fields of its fit.
+pub(super) const COMMISSION: &[Field] = fields! {
+    "trial_moves": "integer, optional", "its trial moves";
+    "trial_moves_off": "integer, optional", "those that do not come to rest within the tolerance";
+    "report": "text, optional", "the page";
+};
+
 /// Of `sweep` and `merge`.
 pub(super) const SWEEP: &[Field] = fields! {
     "rig": "text", "its name";
