@@ -26,7 +26,7 @@ use pneudrive_records::target::TargetFile;
 use pneudrive_session::drive;
 use pneudrive_session::slow_move::{self, Standing};
 use pneudrive_session::test_run::TestRun;
-use pneudrive_sim::component::encoder::mm_per_count;
+use pneudrive_sim::component::encoder::{self, mm_per_count};
 use pneudrive_sim::{Accuracy, Rig, keys};
 use serde_json::json;
 
@@ -104,6 +104,7 @@ fn steps(arguments: &Commission, rig: &Rig, client: &mut Client) -> Result<()> {
     client.disarm()?;
     client.import_parameters(&found.parameters())?;
     say!("5. trial moves");
+    to_the_middle(client, &found)?;
     let trial = trial(&found, trial_mm(arguments, rig), client.info()?.record_capacity)?;
     run_test(client, TestRun::of(&trial), None)?;
     let (path, target) = record(client, &arguments.out)?;
@@ -139,7 +140,7 @@ fn to_the_middle(client: &mut Client, rig: &Rig) -> Result<()> {
 /// The rig file with what the tests of `identify --plan` show. The law of a rig that was only changed by numbers does not know them.
 fn identified(arguments: &Commission) -> Result<Rig> {
     let plan = Identify::of_plan(&arguments.rig, &arguments.port.port, &arguments.out, arguments.pages);
-    let found = identify::identified(&plan)?;
+    let (found, _) = identify::identified(&plan)?;
     match pneudrive_identify::report::refusal(&found) {
         None => load_rig(&arguments.out.join(identify::FITTED).to_string_lossy(), &[]),
         Some(refusal) => Err(Exit::NotBorneOut.error(refusal)),
@@ -162,12 +163,21 @@ fn trial(rig: &Rig, to_either_side_mm: f64, capacity: u32) -> Result<Rig> {
         keys::test::MOVES.setting(format_args!("[[0.0, {}], {}]", count(middle_mm), moves.join(", "))),
         keys::test::DURATION_S.setting(duration_s),
         keys::test::DECIMATION.setting((samples / f64::from(capacity.max(1))).ceil()),
+        keys::test::POSITION_M
+            .setting(1e-3 * mm_per_count(rig) * encoder::middle(rig, count(middle_mm) as f64)),
     ];
     Ok(rig.with_test(&settings)?)
 }
 
+/// The rig as its encoder sees it, which judges the drive, too.
+fn by_its_encoder(rig: &Rig) -> Result<Rig> {
+    let exact = [&keys::encoder::SCALE_ERROR_PERCENT, &keys::encoder::OFFSET_ERROR_MM];
+    Ok(rig.with_settings(&exact.map(|error| error.setting(0.0)))?)
+}
+
 /// What the drive did beside what the twin with the values found does, and whether it has positioned.
 fn judge(arguments: &Commission, trial: &Rig, path: &Path, target: &TargetFile) -> Result<()> {
+    let trial = &by_its_encoder(trial)?;
     let accuracy = Accuracy::of(trial);
     let ensemble =
         run_ensemble(trial, accuracy, Spacing::default(), moves_of_run, |_, _| {}, CancelToken::NEVER)?;
@@ -177,9 +187,11 @@ fn judge(arguments: &Commission, trial: &Rig, path: &Path, target: &TargetFile) 
     let recorded = Transient::of_target(&name, target)?;
     let tolerance = tolerance_mm(Some(trial));
     let on_the_drive = moves(&recorded, &Motion::of(&recorded), None, tolerance);
-    let off: Vec<&Move> = on_the_drive.iter().skip(1).filter(|one| one.settling_s.is_none()).collect();
+    // The first one is no move: the drive holds in the middle.
+    let on_the_drive = &on_the_drive[1..];
+    let off: Vec<&Move> = on_the_drive.iter().filter(|one| one.settling_s.is_none()).collect();
     let notes = vec![
-        format!("The drive {}.", verdict(std::slice::from_ref(&on_the_drive), tolerance)),
+        format!("The drive {}.", verdict(&[on_the_drive.to_vec()], tolerance)),
         format!(
             "Its twin with the values found {}.",
             simulate::sentence(&judged, &verdict(&ensemble.measured, tolerance))

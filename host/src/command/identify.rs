@@ -19,7 +19,7 @@ use pneudrive_identify::{Identification, identify, report};
 use pneudrive_records::own_file::{GENERATOR, make_writable, refuse_to_replace};
 use pneudrive_records::target::TargetFile;
 use pneudrive_records::whole_file::put;
-use pneudrive_report::Page;
+use pneudrive_report::{Page, Table};
 use pneudrive_sim::Rig;
 use serde_json::json;
 
@@ -44,7 +44,13 @@ pub(super) fn execute(arguments: &Identify) -> Result<()> {
     if arguments.timer {
         return simple::timer(&arguments.targets);
     }
-    let found = identified(arguments)?;
+    let (found, figures) = identified(arguments)?;
+    for table in std::iter::once(&figures).chain(&report::tables(&found)) {
+        say!("{}\n{}", table.heading, table.to_text());
+    }
+    for note in report::notes(&found) {
+        say!("{note}");
+    }
     let Some(refusal) = report::refusal(&found) else { return Ok(()) };
     Err(Exit::NotBorneOut.error(format!(
         "{refusal}; {} shows the residuals, and --despite-misfit writes {FITTED} nevertheless",
@@ -52,8 +58,8 @@ pub(super) fn execute(arguments: &Identify) -> Result<()> {
     )))
 }
 
-/// The fit, whether it explains the data or not, with its files written.
-pub(super) fn identified(arguments: &Identify) -> Result<Identification> {
+/// The fit, whether it explains the data or not, with its files written, and what is read off its records.
+pub(super) fn identified(arguments: &Identify) -> Result<(Identification, Table)> {
     let rig = load_choice(&arguments.rig)?;
     let parameters = if arguments.fit.is_empty() {
         usual(&rig)
@@ -63,20 +69,14 @@ pub(super) fn identified(arguments: &Identify) -> Result<Identification> {
     let (recordings, read) = records(arguments, &rig)?;
     json::figures(|| json!({ "read_off": report::read_off(&read) }));
     let figures = read.table(&rig);
-    say!("{}\n{}", figures.heading, figures.to_text());
     make_writable(&arguments.out)?;
     let accuracy = arguments.integration.accuracy(&rig);
     let found =
         identify(&rig, &recordings, parameters, accuracy, &mut |line| tell!("{line}"), CancelToken::NEVER)?;
     json::figures(|| report::to_json(&found, &recordings));
-    for table in &report::tables(&found) {
-        say!("{}\n{}", table.heading, table.to_text());
-    }
-    for note in report::notes(&found) {
-        say!("{note}");
-    }
-    write(arguments, &recordings, &found, &report::page(&rig, &recordings, accuracy, &found, figures))?;
-    Ok(found)
+    let page = report::page(&rig, &recordings, accuracy, &found, figures.clone());
+    write(arguments, &recordings, &found, &page)?;
+    Ok((found, figures))
 }
 
 /// Writes the fitted rig file. If the fit is refused, removes the file of an earlier fit, which would be taken for this
