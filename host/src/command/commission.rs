@@ -188,7 +188,7 @@ fn judge(arguments: &Commission, trial: &Rig, path: &Path, target: &TargetFile) 
     let tolerance = tolerance_mm(Some(trial));
     let on_the_drive = moves(&recorded, &Motion::of(&recorded), None, tolerance);
     // The first one is no move: the drive holds in the middle.
-    let on_the_drive = &on_the_drive[1..];
+    let on_the_drive = on_the_drive.get(1..).unwrap_or_default();
     let off: Vec<&Move> = on_the_drive.iter().filter(|one| one.settling_s.is_none()).collect();
     let notes = vec![
         format!("The drive {}.", verdict(&[on_the_drive.to_vec()], tolerance)),
