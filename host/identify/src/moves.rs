@@ -59,8 +59,8 @@ const SHORTEST: f64 = 0.1;
 /// Longest time of a stroke, s.
 const LONGEST_S: f64 = 0.6;
 
-/// Part of its speed that a load has left when it is no longer braked. One that is heavier or slower than the model's still moves
-/// then, and none is thrown back.
+/// Part of its speed that the model has left when it is no longer braked. A lighter load than the model's is thrown back a little, and
+/// a heavier one goes farther.
 const LEFT_OF_SPEED: f64 = 0.1;
 
 /// How far from the ends of the stroke the model stops at least, as a part of it.
@@ -73,22 +73,30 @@ const PARTS: [f64; 5] = [1.0, 0.8, 0.6, 0.45, 0.3];
 const RESTING: usize = FEWEST_AT_REST + 4;
 const FEWEST: usize = FEWEST_OF_A_RECORD + 4;
 
+/// How long a drive stands enabled before a test, s: its spool comes to rest first. The samples are recorded as those from before the
+/// start, as many as a recorder keeps.
+const SETTLES_S: f64 = 0.1;
+const MAX_PRE_TRIGGER: f64 = 2000.0;
+
 /// Stairs of the ramp that shows stiction and hysteresis: how many, and how high (counts) and how long (s) each, the
 /// best first; the first ones with which the model stays within its range are taken.
 const STAIRS: i32 = 14;
 const STAIR: [(i32, f64); 6] =
     [(60, 0.026), (60, 0.013), (60, 0.0078), (60, 0.0052), (45, 0.0052), (45, 0.0026)];
 
+/// How long the model goes on behind the stairs with its valve at null, s: by then a host has said what comes next.
+const COASTS_S: f64 = 0.3;
+
 /// The valve opened slowly to both sides, up and down: breakaways at forces that rise slowly, and the loop of the
-/// spool. None where the model goes too far on any.
+/// spool. None where the model goes too far on any, or behind it.
 ///
 /// # Errors
 /// When the piston is too near to an end.
 pub fn ramp(rig: &Rig, position: f64) -> Result<Option<Planned>> {
     let room = room(rig, position, 1.0)?.min(room(rig, position, -1.0)?.abs());
     for (height, seconds) in STAIR {
-        let test = staircase(rig, position, height, seconds)?;
-        let rows = run(&test, Accuracy::default())?.rows;
+        let test = staircase(rig, position, (height, seconds), 0.0)?;
+        let rows = run(&staircase(rig, position, (height, seconds), COASTS_S)?, Accuracy::default())?.rows;
         if rows.iter().all(|row| (row.plant.position - position).abs() < room) {
             let samples = test.last_sample() as usize + 1;
             return Ok(Some(Planned { name: "static", rig: test, samples }));
@@ -97,13 +105,14 @@ pub fn ramp(rig: &Rig, position: f64) -> Result<Option<Planned>> {
     Ok(None)
 }
 
-fn staircase(rig: &Rig, position: f64, height: i32, seconds: f64) -> Result<Rig> {
+/// Stairs of a height and a length, and a time behind them, s.
+fn staircase(rig: &Rig, position: f64, (height, seconds): (i32, f64), behind: f64) -> Result<Rig> {
     let hill = (0..=STAIRS).chain((0..STAIRS).rev());
     let stairs: Vec<i32> = hill.clone().chain(hill.skip(1).map(|stair| -stair)).collect();
     let time = |stair: usize| 0.04 + stair as f64 * seconds;
     let moves: Vec<(f64, i32)> =
         stairs.iter().enumerate().map(|(i, stair)| (time(i), scaled(rig, stair * height))).collect();
-    with_moves(rig, position, &moves, time(stairs.len()))
+    with_moves(rig, position, &moves, time(stairs.len()) + behind)
 }
 
 /// A test on a drive, and how many of its samples come before it brakes.
@@ -122,6 +131,7 @@ impl Planned {
     #[must_use]
     pub fn before_it_brakes(&self, mut record: TargetFile) -> TargetFile {
         record.samples.retain(|(index, _)| usize::try_from(*index).is_ok_and(|index| index < self.samples));
+        record.seal();
         record
     }
 }
@@ -134,22 +144,27 @@ pub fn test(rig: &Rig, position: f64, test: Test) -> Result<Planned> {
     let start = middle_of_count(rig, position);
     let rig = &rig.with_numbers(&[(keys::test::POSITION_M.path, start)])?;
     let stroke = rig.get(&keys::actuator::STROKE_M);
-    let inside = STOPS_FROM_END * stroke..=(1.0 - STOPS_FROM_END) * stroke;
+    let inside = (STOPS_FROM_END * stroke).min(start)..=((1.0 - STOPS_FROM_END) * stroke).max(start);
     for part in PARTS {
-        let (planned, stops) = part_of_test(rig, start, test, part)?;
-        if inside.contains(&stops) {
+        let (planned, [low, high]) = part_of_test(rig, start, test, part)?;
+        if inside.contains(&low) && inside.contains(&high) {
             return Ok(planned);
         }
     }
     bail!(
-        "the model of {} cannot be stopped within its stroke of {:.0} mm after the valve was open; it is too fast for the tests",
+        "the model of {} cannot be kept within its stroke of {:.0} mm once the valve is open: it is too fast for the tests",
         rig.name(),
         1e3 * stroke
     )
 }
 
-/// A part of a test, and where the model stops behind it, m.
-fn part_of_test(rig: &Rig, start: f64, (name, rest, strokes): Test, part: f64) -> Result<(Planned, f64)> {
+/// A part of a test, and the lowest and the highest position of the model until it has stopped, m.
+fn part_of_test(
+    rig: &Rig,
+    start: f64,
+    (name, rest, strokes): Test,
+    part: f64,
+) -> Result<(Planned, [f64; 2])> {
     let period = period_s(rig);
     let mut moves = vec![(0.0, 0)];
     let mut time = rest.max(period * RESTING as f64);
@@ -164,9 +179,9 @@ fn part_of_test(rig: &Rig, start: f64, (name, rest, strokes): Test, part: f64) -
     let last = with_moves(rig, start, &moves, time + later)?.last_sample();
     let end = period * f64::from(last + 1);
     moves.push((end, -moves[moves.len() - 1].1));
-    let (braking, stops) = braking(rig, &moves)?;
+    let (braking, range) = braking(rig, &moves)?;
     let rig = with_moves(rig, start, &moves, end + braking)?;
-    Ok((Planned { name, rig, samples: last as usize + 1 }, stops))
+    Ok((Planned { name, rig, samples: last as usize + 1 }, range))
 }
 
 /// A start on the edge of a count is ill-defined.
@@ -191,6 +206,7 @@ fn with_moves(rig: &Rig, position: f64, moves: &[(f64, i32)], duration: f64) -> 
         keys::test::MOVES.setting(format_args!("[{}]", moves.join(", "))),
         keys::test::DURATION_S.setting(format_args!("{duration:.4}")),
         keys::test::POSITION_M.setting(position),
+        keys::test::PRE_TRIGGER.setting((SETTLES_S / period_s(rig)).ceil().min(MAX_PRE_TRIGGER)),
     ];
     Ok(rig.with_test(&settings)?)
 }
@@ -223,13 +239,17 @@ fn stroke_time(rig: &Rig, moves: &[(f64, i32)], goal: f64) -> Result<f64> {
     Ok(period_s(rig) * arrived.unwrap_or(positions.len() - first) as f64)
 }
 
-/// How long the last of these moves takes to stop the model but for a part of its speed, s, and where it stops, m.
-fn braking(rig: &Rig, moves: &[(f64, i32)]) -> Result<(f64, f64)> {
+/// How long the last of these moves takes to stop the model but for a part of its speed, s, and the lowest and the highest position
+/// until then, m.
+fn braking(rig: &Rig, moves: &[(f64, i32)]) -> Result<(f64, [f64; 2])> {
     let (first, positions) = positions_on_model(rig, moves)?;
     let travel = |k: usize| positions[k] - positions[k - 1];
-    let braked = (first + 1..positions.len()).find(|k| travel(*k) / travel(first) < LEFT_OF_SPEED);
+    let direction = travel(first).signum();
+    let slow = LEFT_OF_SPEED * travel(first).abs();
+    let braked = (first..positions.len()).find(|k| direction * travel(*k) <= slow);
     let braked = braked.unwrap_or(positions.len() - 1);
-    Ok((period_s(rig) * (braked - first) as f64, positions[braked]))
+    let [low, high] = [f64::min, f64::max].map(|of| positions[..=braked].iter().copied().reduce(of));
+    Ok((period_s(rig) * (braked - first) as f64, [low.unwrap_or(0.0), high.unwrap_or(0.0)]))
 }
 
 /// Where the model is, m, at each sample until [`LONGEST_S`] after the last of these moves, and the sample at which that begins.
@@ -296,6 +316,27 @@ mod tests {
                 assert!(moved.iter().all(|y| (0.09..0.91).contains(y)), "{name}, test {i}");
                 assert!(moved.iter().any(|y| (y - 0.5).abs() > 0.03), "{name} does not move");
             }
+        }
+    }
+
+    /// Its load is light, its valve wide.
+    #[test]
+    fn a_fast_drive_has_shorter_strokes() {
+        let (rig, stroke) = in_the_middle("press");
+        let end = |settings: &[String]| {
+            let rig = rig.with_settings(settings).expect("valid");
+            let planned = test(&rig, 0.5 * stroke, DYNAMIC)?;
+            let rows = run(&left_alone(&planned.rig), Accuracy::default())?.rows;
+            Ok::<f64, anyhow::Error>(rows.iter().map(|row| row.plant.position / stroke).fold(0.0, f64::max))
+        };
+        let wide = |times: f64| {
+            let conductance = keys::iso6358::SONIC_CONDUCTANCE_M3_PER_S_PA;
+            let of_file = rig.get(&conductance).expect("by its conductance");
+            vec![conductance.setting(times * of_file), "load.mass_kg=2.0".to_owned()]
+        };
+        for times in [1.0, 2.0, 4.0] {
+            let end = end(&wide(times));
+            assert!(end.as_ref().is_ok_and(|end| *end < 0.93), "{times}: {end:?}");
         }
     }
 

@@ -83,6 +83,23 @@ pub fn run(bench: &mut impl TestRig, closed: &Rig, open: &Rig, count: i32) -> Re
     Plan { bench, closed, open, count }.run()
 }
 
+/// Opens the valve for a moment where the piston stands, at `count`, and refuses a drive that does not move in the direction of the valve,
+/// pushed by the pressures that its sensors show: in closed loop it would run to an end.
+///
+/// # Errors
+/// When the test cannot be run or recorded, or shows that.
+pub fn check_direction(bench: &mut impl TestRig, open: &Rig, count: i32) -> Result<()> {
+    let test = moves::test(open, position_m(open, count), moves::MOVEMENT)?;
+    bench.run(&test.rig)?;
+    let (path, file) = bench.record(test.name)?;
+    check_movement(&test.before_it_brakes(file).samples).with_context(|| format!("{path}, {}", test.name))
+}
+
+/// Where the piston stands, m.
+fn position_m(rig: &Rig, count: i32) -> f64 {
+    encoder::middle(rig, f64::from(count)) * 1e-3 * mm_per_count(rig)
+}
+
 struct Plan<'a, B> {
     bench: &'a mut B,
     /// The rig file with either loop.
@@ -94,9 +111,7 @@ struct Plan<'a, B> {
 
 impl<B: TestRig> Plan<'_, B> {
     fn run(mut self) -> Result<Recorded> {
-        let middle = encoder::middle(self.open, f64::from(self.count));
-        let position = middle * 1e-3 * mm_per_count(self.open);
-        let open = self.open;
+        let (open, position) = (self.open, position_m(self.open, self.count));
         let test = |test: moves::Test| moves::test(open, position, test);
         let movement = test(moves::MOVEMENT)?;
         let ramp = moves::ramp(open, position)?;

@@ -13,7 +13,7 @@ use pneudrive_sim::component::friction::{Friction, FrictionModel};
 use pneudrive_sim::component::operator::{self, hysteresis};
 use pneudrive_sim::component::sensors::calibration::Calibration;
 use pneudrive_sim::follow::{Followed, Reading, Timing, follow, follow_within};
-use pneudrive_sim::key::Key;
+use pneudrive_sim::key::Typed;
 use pneudrive_sim::keys;
 use pneudrive_sim::{Accuracy, Rig};
 
@@ -30,13 +30,8 @@ pub const CHANNELS: [(&str, &str); 4] =
 const KEYS_OF_START: [&str; 3] =
     [keys::test::POSITION_M.key.path, keys::test::PRESSURE_1_PA.key.path, keys::test::PRESSURE_2_PA.key.path];
 
-/// Those that none measures: the temperatures that the last move has left, and the side of the hysteresis on which its last command
-/// has left the spool.
-const UNMEASURED: [&Key; 3] = [
-    &keys::test::TEMPERATURE_1_K.key,
-    &keys::test::TEMPERATURE_2_K.key,
-    &keys::hysteresis::HYSTERESIS_SIDE.key,
-];
+/// The temperatures that the last move has left, which no sensor measures.
+const AIR_OF_START: [&Typed<f64>; 2] = [&keys::test::TEMPERATURE_1_K, &keys::test::TEMPERATURE_2_K];
 
 /// The dry friction of a load, and the part of the file's that may be left of it: it is known to a factor of two.
 const DRY_FRICTION: [&str; 4] = [
@@ -56,14 +51,15 @@ const MAX_PERIOD_ERROR: f64 = 0.5;
 /// Variance up to which a converter is taken to have no noise of its own, squares of a count.
 const ROUNDING_ALONE: f64 = 0.15;
 
-/// Quantities of an initial state: first those that are measured.
-pub const STARTS: usize = KEYS_OF_START.len() + UNMEASURED.len();
+/// Quantities of an initial state: those that are measured, the temperatures, and the side of the hysteresis on which the last command
+/// has left the spool.
+pub const STARTS: usize = KEYS_OF_START.len() + AIR_OF_START.len() + 1;
 
 /// The places of the pressures among them.
 pub(super) const PRESSURES: [usize; 2] = [1, 2];
 
 /// The places of the temperatures.
-pub(super) const AIR: Range<usize> = KEYS_OF_START.len()..KEYS_OF_START.len() + 2;
+pub(super) const AIR: Range<usize> = KEYS_OF_START.len()..KEYS_OF_START.len() + AIR_OF_START.len();
 
 /// The place of the side of the hysteresis.
 pub(super) const SIDE: usize = STARTS - 1;
@@ -224,7 +220,7 @@ impl Recording {
     }
 
     /// The initial state of a rig of which sensors with these errors read what is `off` the one that was measured, in counts, and
-    /// of which what no sensor measures is `off` the file's: its values, each with its key.
+    /// of which the air is `off` the file's, with the side of its hysteresis behind them: its values, each with its key.
     pub fn start(
         &self,
         rig: &Rig,
@@ -239,11 +235,10 @@ impl Recording {
             let (position, [one, two]) = calibration.true_values(read[0], [read[1], read[2]]);
             [position, one, two]
         };
-        let unmeasured = UNMEASURED.into_iter().zip(&off[KEYS_OF_START.len()..]);
-        let unmeasured = unmeasured.take(if remembers(rig) { UNMEASURED.len() } else { AIR.len() });
-        let unmeasured: Vec<_> =
-            unmeasured.map(|(key, off)| (key.path, rig.number_at(key.path).unwrap_or(0.0) + off)).collect();
-        KEYS_OF_START.into_iter().zip(values).chain(unmeasured)
+        let air = AIR_OF_START.map(|key| rig.get(key));
+        let air = [0, 1].map(|i| (AIR_OF_START[i].key.path, air[i] + off[AIR.start + i]));
+        let side = remembers(rig).then_some((keys::hysteresis::HYSTERESIS_SIDE.key.path, off[SIDE]));
+        KEYS_OF_START.into_iter().zip(values).chain(air).chain(side)
     }
 
     /// What the sensors of `rig` would read under the first `samples` commands; no more than `most` evaluations of the

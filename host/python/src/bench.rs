@@ -34,6 +34,7 @@ pub fn records(
         let begins = format!("{number}, ");
         let recording = recorded.fitted.iter().find(|recording| recording.name.starts_with(&begins))?;
         file.samples.truncate(recording.commands.len());
+        file.seal();
         Some((name, file))
     };
     Ok((1..).zip(files).filter_map(fitted).collect())
