@@ -204,7 +204,10 @@ fn will_be_referenced(status: &Status, there: &RigParameters, sent: &RigParamete
 }
 
 /// Refuses a rig that is already running, or in a fault.
-fn refuse_unready(status: &Status) -> Result<()> {
+///
+/// # Errors
+/// When it is.
+pub fn refuse_unready(status: &Status) -> Result<()> {
     match status.mode {
         Mode::Homing | Mode::Running => Err(Failure::Refused
             .error("a run is already in progress; wait for its end, or stop it (`pneudrive device stop`)")),

@@ -1,36 +1,40 @@
 //! `pneudrive commission`: a drive finds its constants, takes them over and shows what it does with them.
 //!
 //! ```text
-//! parameters of the rig file -> home -> middle of the stroke -> tests -> fit -> parameters of the fit -> trial moves -> report
+//! parameters of the rig file -> direction -> middle of the stroke -> tests -> fit -> parameters of the fit -> trial moves -> report
 //! ```
 //!
-//! Each step that moves the cylinder is announced with how far it goes. What the drive had is put back where a step fails. A test that
-//! was recorded before an interruption is not run again.
+//! Nothing moves in closed loop before a short stroke of the valve has shown that the drive goes where it should. The drive gets back
+//! what it had where a step fails or is interrupted. Tests that were recorded before an interruption of the tests are not run again.
 
 use std::io::{IsTerminal, stderr, stdin};
 use std::path::Path;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use pneudrive_controller::Parameters;
 use pneudrive_evaluate::cancel::CancelToken;
 use pneudrive_evaluate::evaluation::{Motion, Move, moves, moves_of_run, tolerance_mm, verdict};
 use pneudrive_evaluate::report;
 use pneudrive_evaluate::transient::Transient;
 use pneudrive_identify::moves::STOPS_FROM_END;
+use pneudrive_identify::parameter::usual;
+use pneudrive_identify::plan::NEEDS_PRESSURES;
+use pneudrive_identify::report as report_of_fit;
 use pneudrive_link::client::Client;
 use pneudrive_optimise::ensemble::run_ensemble;
 use pneudrive_records::judged::Spacing;
 use pneudrive_records::own_file::make_writable;
 use pneudrive_records::run_folder::StoredRun;
 use pneudrive_records::target::TargetFile;
-use pneudrive_session::drive;
 use pneudrive_session::slow_move::{self, Standing};
-use pneudrive_session::test_run::TestRun;
+use pneudrive_session::test_run::{TestRun, refuse_unready};
+use pneudrive_sim::component::controller::Loop;
 use pneudrive_sim::component::encoder::{self, mm_per_count};
 use pneudrive_sim::{Accuracy, Rig, keys};
 use serde_json::json;
 
 use super::identify;
+use super::identify::bench::of_hanging_load;
 use super::interrupts::Interrupts;
 use super::overlay::overlay;
 use super::record::record;
@@ -47,19 +51,23 @@ const PAGE: &str = "commissioning.html";
 /// Moves of the trial: there and back, twice.
 const TRIALS: usize = 4;
 
-/// From one of them to the next, s.
-const EVERY_S: f64 = 2.0;
+/// From one of them to the next, s: long enough to see that the drive rests.
+const EVERY_S: f64 = 3.0;
 
 pub(super) fn execute(arguments: &Commission) -> Result<()> {
     let rig = load_choice(&arguments.rig)?;
+    refuse_what_cannot_be_commissioned(arguments, &rig)?;
     ask(arguments, &rig)?;
     make_writable(&arguments.out)?;
     let mut client = arguments.port.connect()?;
+    refuse_unready(&client.status()?)?;
+    // Until the drive has back what it had, Ctrl-C does not end the program but the step.
+    let interrupts = Interrupts::watch();
     client.disarm()?;
     let before = client.parameters()?.values;
     say!("1. the parameters of {}", rig.name());
     client.import_parameters(&rig.parameters())?;
-    let done = steps(arguments, &rig, &mut client);
+    let done = steps(arguments, &rig, &mut client, &interrupts);
     let disarmed = client.disarm();
     if done.is_err() {
         give_back(&mut client, &before);
@@ -67,14 +75,28 @@ pub(super) fn execute(arguments: &Commission) -> Result<()> {
     done.and(disarmed)
 }
 
+/// Refuses before anything moves what would be refused in the end.
+fn refuse_what_cannot_be_commissioned(arguments: &Commission, rig: &Rig) -> Result<()> {
+    if !rig.get(&keys::sensors::PRESSURE) {
+        bail!("{} has no pressure sensors (sensors.pressure = false): {NEEDS_PRESSURES}", rig.name());
+    }
+    if rig.get(&keys::controller::LOOP) != Loop::Closed {
+        bail!("{} has controller.loop = \"open\": a drive that is to position has a closed one", rig.name());
+    }
+    trial(rig, trial_mm(arguments, rig), u32::MAX).map(|_| ())
+}
+
 /// Asks before the cylinder moves.
 fn ask(arguments: &Commission, rig: &Rig) -> Result<()> {
     let stroke_mm = 1e3 * rig.get(&keys::actuator::STROKE_M);
-    let announced = format!(
-        "the cylinder will move: a slow homing run if it has no reference, to the middle of its stroke of {stroke_mm:.0} mm, from there by up to {:.0} mm to either side with the valve fully open, and in {TRIALS} trial moves by {:.0} mm",
+    let planned = format!(
+        "the cylinder will move along its stroke of {stroke_mm:.0} mm: by a short stroke of the valve, to the middle, from there by up to {:.0} mm to either side with the valve fully open, as far as {} describes the drive, and in {TRIALS} trial moves by {:.0} mm; between these steps, and while the fit computes, it is disabled",
         (0.5 - STOPS_FROM_END) * stroke_mm,
+        rig.name(),
         2.0 * trial_mm(arguments, rig),
     );
+    let hanging = of_hanging_load(rig).map(|note| format!("{note}\n"));
+    let announced = format!("{}{planned}", hanging.unwrap_or_default());
     if arguments.yes {
         tell!("{announced} (--yes)");
         return Ok(());
@@ -84,7 +106,7 @@ fn ask(arguments: &Commission, rig: &Rig) -> Result<()> {
             "{announced}; nobody can answer here, and --yes lets it move without being asked"
         )));
     }
-    match super::device::asked(&format!("{announced}. Is everybody clear of it?")) {
+    match super::device::asked(&format!("{announced}. Is everybody clear of the whole stroke?")) {
         true => Ok(()),
         false => Err(Exit::Interrupted.error("nothing was moved")),
     }
@@ -95,20 +117,48 @@ fn trial_mm(arguments: &Commission, rig: &Rig) -> f64 {
     f64::from(arguments.trial) / 100.0 * 1e3 * rig.get(&keys::actuator::STROKE_M)
 }
 
-fn steps(arguments: &Commission, rig: &Rig, client: &mut Client) -> Result<()> {
-    say!("2. its reference, and the middle of its stroke");
-    to_the_middle(client, rig)?;
-    say!("3. the tests, and what they show");
-    let found = identified(arguments)?;
-    say!("4. the parameters of what was found");
+fn steps(arguments: &Commission, rig: &Rig, client: &mut Client, interrupts: &Interrupts) -> Result<()> {
+    refuse_unreferenced(client)?;
+    say!("2. whether it moves in the direction of its valve");
+    identify::bench::check_direction(&arguments.rig, client, &arguments.out)?;
+    say!("3. the middle of its stroke");
+    to_the_middle(client, rig, interrupts)?;
+    say!("4. the tests, and what they show");
+    let found = identified(arguments, rig, client, interrupts)?;
+    say!("5. the parameters of what was found");
     client.disarm()?;
     client.import_parameters(&found.parameters())?;
-    say!("5. trial moves");
-    to_the_middle(client, &found)?;
+    say!("6. trial moves");
+    to_the_middle(client, &found, interrupts)?;
     let trial = trial(&found, trial_mm(arguments, rig), client.info()?.record_capacity)?;
     run_test(client, TestRun::of(&trial), None)?;
+    client.disarm()?;
     let (path, target) = record(client, &arguments.out)?;
-    judge(arguments, &trial, &path, &target)
+    judge(arguments, &trial, &path, &target)?;
+    say!(
+        "the drive forgets these parameters when it is reset; `pneudrive device --port {} config save` keeps them",
+        client.port_name()
+    );
+    Ok(())
+}
+
+/// With these parameters an encoder may count from another place.
+fn refuse_unreferenced(client: &mut Client) -> Result<()> {
+    if client.status()?.referenced {
+        return Ok(());
+    }
+    let device = format!("pneudrive device --port {}", client.port_name());
+    Err(Exit::Failed.error(format!(
+        "the drive does not know where it is: check its wires with `{device} bring-up`, give it the parameters of the rig file with `{device} config import`, and home it with `{device} home`"
+    )))
+}
+
+/// An error once the program was asked to end.
+fn goes_on(interrupts: &Interrupts) -> Result<()> {
+    match interrupts.look() {
+        false => Ok(()),
+        true => Err(Exit::Interrupted.error("stopped by Ctrl-C")),
+    }
 }
 
 /// Gives the drive the parameters back that it had.
@@ -119,17 +169,8 @@ fn give_back(client: &mut Client, parameters: &Parameters) {
     }
 }
 
-fn to_the_middle(client: &mut Client, rig: &Rig) -> Result<()> {
-    if !client.status()?.referenced {
-        let interrupts = Interrupts::watch();
-        let mut goes_on = || match interrupts.look() {
-            false => Ok(()),
-            true => Err(Exit::Interrupted.error("homing was stopped by Ctrl-C")),
-        };
-        drive::arm(client)?;
-        drive::home(client, &mut goes_on)
-            .or_else(|error| interrupts.explain(Err(error)).map(|_| drive::Homed::Moved))?;
-    }
+fn to_the_middle(client: &mut Client, rig: &Rig, interrupts: &Interrupts) -> Result<()> {
+    goes_on(interrupts)?;
     let Standing { there, from_mm } = Standing::of(client, rig.name(), rig)?;
     let middle_mm = 500.0 * rig.get(&keys::actuator::STROKE_M);
     let test = slow_move::go(rig, &there, from_mm, middle_mm)?;
@@ -138,10 +179,24 @@ fn to_the_middle(client: &mut Client, rig: &Rig) -> Result<()> {
 }
 
 /// The rig file with what the tests of `identify --plan` show. The law of a rig that was only changed by numbers does not know them.
-fn identified(arguments: &Commission) -> Result<Rig> {
+fn identified(
+    arguments: &Commission,
+    rig: &Rig,
+    client: &mut Client,
+    interrupts: &Interrupts,
+) -> Result<Rig> {
     let plan = Identify::of_plan(&arguments.rig, &arguments.port.port, &arguments.out, arguments.pages);
-    let (found, _) = identify::identified(&plan)?;
-    match pneudrive_identify::report::refusal(&found) {
+    let recorded = identify::planned(&plan, client)?;
+    let read_off = identify::read_off(rig, &recorded);
+    let is_live = || !interrupts.look();
+    let cancel = CancelToken::cancelled_unless(&is_live);
+    let found = identify::fitted(&plan, (&recorded.fitted, usual(rig)), read_off, cancel);
+    goes_on(interrupts)?;
+    let found = found?;
+    for table in report_of_fit::tables(&found).iter().take(1) {
+        say!("{}\n{}", table.heading, table.to_text());
+    }
+    match report_of_fit::refusal(&found) {
         None => load_rig(&arguments.out.join(identify::FITTED).to_string_lossy(), &[]),
         Some(refusal) => Err(Exit::NotBorneOut.error(refusal)),
     }
@@ -188,7 +243,10 @@ fn judge(arguments: &Commission, trial: &Rig, path: &Path, target: &TargetFile) 
     let tolerance = tolerance_mm(Some(trial));
     let on_the_drive = moves(&recorded, &Motion::of(&recorded), None, tolerance);
     // The first one is no move: the drive holds in the middle.
-    let on_the_drive = on_the_drive.get(1..).unwrap_or_default();
+    let Some((_, on_the_drive)) = on_the_drive.split_first().filter(|(_, moves)| moves.len() == TRIALS)
+    else {
+        bail!("{} does not show the {TRIALS} trial moves", path.display());
+    };
     let off: Vec<&Move> = on_the_drive.iter().filter(|one| one.settling_s.is_none()).collect();
     let notes = vec![
         format!("The drive {}.", verdict(&[on_the_drive.to_vec()], tolerance)),
@@ -208,9 +266,10 @@ fn judge(arguments: &Commission, trial: &Rig, path: &Path, target: &TargetFile) 
     match off.is_empty() {
         true => Ok(()),
         false => Err(Exit::NotBorneOut.error(format!(
-            "{} of {TRIALS} trial moves do not come to rest within {tolerance} mm; {} shows them",
+            "{} of {TRIALS} trial moves do not settle within {tolerance} mm; {} shows them, and {} has what was found",
             off.len(),
-            file.display()
+            file.display(),
+            arguments.out.join(identify::FITTED).display()
         ))),
     }
 }

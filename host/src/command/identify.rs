@@ -1,6 +1,6 @@
 //! `pneudrive identify`.
 
-mod bench;
+pub(super) mod bench;
 mod kept;
 mod simple;
 
@@ -16,6 +16,7 @@ use pneudrive_identify::parameter::{Parameter, usual};
 use pneudrive_identify::plan::Recorded;
 use pneudrive_identify::recording::Recording;
 use pneudrive_identify::{Identification, identify, report};
+use pneudrive_link::client::Client;
 use pneudrive_records::own_file::{GENERATOR, make_writable, refuse_to_replace};
 use pneudrive_records::target::TargetFile;
 use pneudrive_records::whole_file::put;
@@ -44,8 +45,19 @@ pub(super) fn execute(arguments: &Identify) -> Result<()> {
     if arguments.timer {
         return simple::timer(&arguments.targets);
     }
-    let (found, figures) = identified(arguments)?;
-    for table in std::iter::once(&figures).chain(&report::tables(&found)) {
+    let parameters = if arguments.fit.is_empty() {
+        usual(&rig)
+    } else {
+        arguments.fit.iter().map(|key| Parameter::of(&rig, key)).collect::<Result<_>>()?
+    };
+    let recorded = match &arguments.plan {
+        Some(port) => planned(arguments, &mut Client::connect(port)?)?,
+        None => named(arguments, &rig)?,
+    };
+    let figures = read_off(&rig, &recorded);
+    say!("{}\n{}", figures.heading, figures.to_text());
+    let found = fitted(arguments, (&recorded.fitted, parameters), figures, CancelToken::NEVER)?;
+    for table in &report::tables(&found) {
         say!("{}\n{}", table.heading, table.to_text());
     }
     for note in report::notes(&found) {
@@ -58,25 +70,41 @@ pub(super) fn execute(arguments: &Identify) -> Result<()> {
     )))
 }
 
-/// The fit, whether it explains the data or not, with its files written, and what is read off its records.
-pub(super) fn identified(arguments: &Identify) -> Result<(Identification, Table)> {
-    let rig = load_choice(&arguments.rig)?;
-    let parameters = if arguments.fit.is_empty() {
-        usual(&rig)
-    } else {
-        arguments.fit.iter().map(|key| Parameter::of(&rig, key)).collect::<Result<_>>()?
-    };
-    let (recordings, read) = records(arguments, &rig)?;
+/// The records of the tests of the plan.
+pub(super) fn planned(arguments: &Identify, client: &mut Client) -> Result<Recorded> {
+    make_writable(&arguments.out)?;
+    bench::execute(&arguments.rig, client, &arguments.out)
+}
+
+/// The records of the files that are named.
+fn named(arguments: &Identify, rig: &Rig) -> Result<Recorded> {
+    let all = arguments.targets.iter().map(|path| recording(path, rig)).collect::<Result<Vec<_>>>()?;
+    let all = without_copies(all);
+    Ok(Recorded { fitted: all.clone(), all })
+}
+
+/// The figures that records give without a model of the air.
+pub(super) fn read_off(rig: &Rig, recorded: &Recorded) -> Table {
+    let read = Figures::of(rig, &recorded.all);
     json::figures(|| json!({ "read_off": report::read_off(&read) }));
-    let figures = read.table(&rig);
+    read.table(rig)
+}
+
+/// The fit, whether it explains the data or not, with its files written.
+pub(super) fn fitted(
+    arguments: &Identify,
+    (recordings, parameters): (&[Recording], Vec<Parameter>),
+    read_off: Table,
+    cancel: CancelToken<'_>,
+) -> Result<Identification> {
+    let rig = load_choice(&arguments.rig)?;
     make_writable(&arguments.out)?;
     let accuracy = arguments.integration.accuracy(&rig);
-    let found =
-        identify(&rig, &recordings, parameters, accuracy, &mut |line| tell!("{line}"), CancelToken::NEVER)?;
-    json::figures(|| report::to_json(&found, &recordings));
-    let page = report::page(&rig, &recordings, accuracy, &found, figures.clone());
-    write(arguments, &recordings, &found, &page)?;
-    Ok((found, figures))
+    let found = identify(&rig, recordings, parameters, accuracy, &mut |line| tell!("{line}"), cancel)?;
+    json::figures(|| report::to_json(&found, recordings));
+    let page = report::page(&rig, recordings, accuracy, &found, read_off);
+    write(arguments, recordings, &found, &page)?;
+    Ok(found)
 }
 
 /// Writes the fitted rig file. If the fit is refused, removes the file of an earlier fit, which would be taken for this
@@ -95,21 +123,6 @@ fn write_fitted(arguments: &Identify, found: &Identification) -> Result<Option<P
     let (_, text) = rig_text(&arguments.rig.rig)?;
     put(&path, &report::fitted(&text, &arguments.rig.settings, found)?)?;
     Ok(Some(path))
-}
-
-/// The recordings to fit, and the figures that all records give without a model of the air.
-fn records(arguments: &Identify, rig: &Rig) -> Result<(Vec<Recording>, Figures)> {
-    let recorded = if let Some(port) = &arguments.plan {
-        make_writable(&arguments.out)?;
-        bench::execute(&arguments.rig, port, &arguments.out)?
-    } else {
-        let all = without_copies(
-            arguments.targets.iter().map(|path| recording(path, rig)).collect::<Result<Vec<_>>>()?,
-        );
-        Recorded { fitted: all.clone(), all }
-    };
-    let figures = Figures::of(rig, &recorded.all);
-    Ok((recorded.fitted, figures))
 }
 
 /// Recordings, each once: a file may be named twice, and a record may be there as a stream, too.

@@ -1,7 +1,7 @@
 //! While a cylinder may move, Ctrl-C stops the rig, and so does an output that can no longer be written: a drive is not
 //! left unattended.
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, LazyLock, Once};
 
 use anyhow::{Error, Result};
@@ -19,6 +19,8 @@ static STOP: LazyLock<Arc<AtomicBool>> = LazyLock::new(Arc::default);
 static PRESSED: LazyLock<Arc<AtomicBool>> = LazyLock::new(Arc::default);
 /// Whether nothing follows a drive, so that the program may end at once.
 static UNWATCHED: LazyLock<Arc<AtomicBool>> = LazyLock::new(Arc::default);
+/// How many watch.
+static WATCHES: AtomicUsize = AtomicUsize::new(0);
 
 impl Interrupts {
     /// Watches from now on until this is dropped.
@@ -39,6 +41,7 @@ impl Interrupts {
                 tell!("note: a signal will not stop the rig ({error}); use `pneudrive device stop`");
             }
         });
+        WATCHES.fetch_add(1, Ordering::Relaxed);
         UNWATCHED.store(false, Ordering::Relaxed);
         Interrupts
     }
@@ -124,6 +127,8 @@ const UNHEARD: &str = "the output of this program can no longer be written";
 
 impl Drop for Interrupts {
     fn drop(&mut self) {
-        UNWATCHED.store(true, Ordering::Relaxed);
+        if WATCHES.fetch_sub(1, Ordering::Relaxed) == 1 {
+            UNWATCHED.store(true, Ordering::Relaxed);
+        }
     }
 }

@@ -24,18 +24,36 @@ use crate::exit::Exit;
 /// An axis is level within this angle, degrees.
 const LEVEL_DEG: f64 = 2.0;
 
-/// Runs the tests on the rig at a port and writes their TARGET files to a folder.
-pub(super) fn execute(choice: &RigChoice, port: &str, folder: &Path) -> Result<Recorded> {
-    let [closed, open] = [Loop::Closed, Loop::Open].map(|control_loop| {
-        let with = keys::controller::LOOP.setting(control_loop.word());
-        load_rig(&choice.rig, &[&choice.settings[..], &[with]].concat())
-    });
-    let (closed, open) = (closed?, open?);
-    let mut client = Client::connect(port)?;
+/// Opens the valve for a moment, and refuses a drive that does not move as it should.
+///
+/// # Errors
+/// As for [`plan::check_direction`].
+pub(in crate::command) fn check_direction(
+    choice: &RigChoice,
+    client: &mut Client,
+    folder: &Path,
+) -> Result<()> {
+    let open = with_loop(choice, Loop::Open)?;
+    client.disarm()?;
+    let count = client.status()?.position;
+    lend(client, &[id::OPEN_LOOP], |client| {
+        plan::check_direction(&mut AtPort { client, folder, kept: None }, &open, count)
+    })
+}
+
+fn with_loop(choice: &RigChoice, control_loop: Loop) -> Result<Rig> {
+    let with = keys::controller::LOOP.setting(control_loop.word());
+    load_rig(&choice.rig, &[&choice.settings[..], &[with]].concat())
+}
+
+/// Runs the tests on a rig and writes their TARGET files to a folder.
+pub(super) fn execute(choice: &RigChoice, client: &mut Client, folder: &Path) -> Result<Recorded> {
+    let (closed, open) = (with_loop(choice, Loop::Closed)?, with_loop(choice, Loop::Open)?);
     let count = client.status()?.position;
     client.disarm()?;
     let parameters = client.parameters()?.values;
     if lacks_pressures(&parameters) {
+        let port = client.port_name();
         bail!("the rig at {port} has no pressure sensors (pressure_sensors is 0): {NEEDS_PRESSURES}");
     }
     if let Some(note) = of_hanging_load(&closed) {
@@ -47,8 +65,8 @@ pub(super) fn execute(choice: &RigChoice, port: &str, folder: &Path) -> Result<R
     }
     let count = kept.count;
     // If this program is killed, the next plan restores the loop.
-    let recorded = lend(&mut client, &[id::OPEN_LOOP], |client| {
-        plan::run(&mut AtPort { client, folder, kept: &mut kept }, &closed, &open, count)
+    let recorded = lend(client, &[id::OPEN_LOOP], |client| {
+        plan::run(&mut AtPort { client, folder, kept: Some(&mut kept) }, &closed, &open, count)
     })
     .map_err(of_trip)?;
     kept.end()?;
@@ -56,11 +74,11 @@ pub(super) fn execute(choice: &RigChoice, port: &str, folder: &Path) -> Result<R
 }
 
 /// The warning about a hanging load during a plan; None if the axis is level as far as a file can say.
-fn of_hanging_load(rig: &Rig) -> Option<String> {
+pub(in crate::command) fn of_hanging_load(rig: &Rig) -> Option<String> {
     let incline = rig.get(&keys::load::INCLINE_DEG);
     (incline.abs() > LEVEL_DEG).then(|| {
         format!(
-            "note: the axis is inclined by {incline} degrees. Between the tests, and if the drive trips, its valve is at null and only the air in the cylinder holds the load, which may sink: support it, or keep clear of its way"
+            "note: the axis is inclined by {incline} degrees. Between the tests, and if the drive trips, its valve is at null and only the air in the cylinder holds the load, which may sink: support it, or keep clear of its path"
         )
     })
 }
@@ -79,7 +97,7 @@ fn of_trip(error: Error) -> Error {
 struct AtPort<'a> {
     client: &'a mut Client,
     folder: &'a Path,
-    kept: &'a mut Kept,
+    kept: Option<&'a mut Kept>,
 }
 
 impl TestRig for AtPort<'_> {
@@ -97,11 +115,11 @@ impl TestRig for AtPort<'_> {
     }
 
     fn kept(&mut self, name: &str) -> Option<(String, TargetFile)> {
-        self.kept.record(name)
+        self.kept.as_deref_mut()?.record(name)
     }
 
     fn keep(&mut self, name: &str, file: &str) -> Result<()> {
-        self.kept.keep(name, file)
+        self.kept.as_deref_mut().map_or(Ok(()), |kept| kept.keep(name, file))
     }
 }
 
@@ -124,7 +142,9 @@ mod tests {
         let mut client = Client::connect(served.port()).expect("it answers");
         let folder = tempfile::tempdir().expect("a folder");
         let mut kept = Kept::open(folder.path(), &rig, 0).expect("a folder");
-        AtPort { client: &mut client, folder: folder.path(), kept: &mut kept }.run(&rig).expect("a run");
+        AtPort { client: &mut client, folder: folder.path(), kept: Some(&mut kept) }
+            .run(&rig)
+            .expect("a run");
         assert_eq!(client.status().expect("it answers").mode, Mode::Disarmed);
     }
 
