@@ -33,11 +33,10 @@ pub use arrival::{Arrival, BANDS_MM};
 pub use bang_bang::{Bound, bound};
 pub use beside::beside_bound;
 pub use course::{Sine, Steps, usual_step_mm};
-pub use draw::{Draw, Spread, draws};
+pub use draw::{Draw, Spread, draws, places};
 pub use score::{SineScore, StepScore};
 
 use crate::runners::Runners;
-use draw::places;
 
 /// What a law is measured on.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,7 +51,7 @@ pub struct Plan {
 
 /// The result of a run: what was measured, and whether the run has converged (docs/explanation/agreement.md). Otherwise why
 /// it did not come to its end.
-type Measured<T> = Result<(T, bool), String>;
+pub type Measured<T> = Result<(T, bool), String>;
 
 /// Steps of `step_mm` on the draws of a plan: the first one of each, and that after two moves.
 ///
@@ -73,6 +72,16 @@ pub fn steps(rig: &Rig, plan: &Plan, step_mm: f64) -> Result<[StepScore; 2]> {
             runs.iter().map(|run| run.as_ref().map(|(moves, converged)| (&moves[number], *converged))),
         )
     }))
+}
+
+/// Steps on one rig: the first one, and that after two moves.
+///
+/// # Errors
+/// When the rig cannot have this test.
+pub fn steps_on(drawn: &Rig, steps: &Steps) -> Result<Measured<[Arrival; 2]>> {
+    let drawn = steps.on(drawn)?;
+    let measured = measured(&Runners::default(), &drawn, |run| steps.arrivals(&drawn, run));
+    Ok(measured.map(|(moves, converged)| ([course::FIRST, course::AFTER_TWO].map(|n| moves[n]), converged)))
 }
 
 /// A sine of `hz` about the middle of the stroke, `peak_to_peak_mm` high, on the draws of a plan.
@@ -100,16 +109,19 @@ fn on_draws<T: Send>(
         .map(|(n, draw)| Ok((n, course(n, &draw.rig(rig)?)?)))
         .collect::<Result<_>>()?;
     let runners = Runners::default();
-    let one = |(n, drawn): &(usize, Rig)| {
-        let accuracy = Accuracy::of(drawn);
-        let measured = runners.run(drawn, accuracy, |run| {
-            let measured = to_its_end(run).and_then(|()| measure(*n, drawn, run))?;
-            let convergence = check_convergence(drawn, accuracy, run).map_err(|error| error.to_string())?;
-            Ok((measured, convergence.is_converged()))
-        });
-        measured.unwrap_or_else(|error| Err(error.to_string()))
-    };
+    let one = |(n, drawn): &(usize, Rig)| measured(&runners, drawn, |run| measure(*n, drawn, run));
     Ok(parallel::map(&drawn, one, |_| {}))
+}
+
+/// What a run of a rig's test shows.
+fn measured<T>(runners: &Runners, rig: &Rig, measure: impl Fn(&Run) -> Result<T, String>) -> Measured<T> {
+    let accuracy = Accuracy::of(rig);
+    let measured = runners.run(rig, accuracy, |run| {
+        let measured = to_its_end(run).and_then(|()| measure(run))?;
+        let convergence = check_convergence(rig, accuracy, run).map_err(|error| error.to_string())?;
+        Ok((measured, convergence.is_converged()))
+    });
+    measured.unwrap_or_else(|error| Err(error.to_string()))
 }
 
 fn to_its_end(run: &Run) -> Result<(), String> {

@@ -87,8 +87,9 @@ pub fn draws(rig: &Rig, spread: Spread, seed: u64, count: usize) -> Result<Vec<D
     Ok(fresh(&TOLERANCE, seed, count).into_iter().map(draw).collect())
 }
 
-/// Where the steps of the draws lie.
-pub(super) fn places(seed: u64, count: usize) -> Vec<Place> {
+/// Where the steps of the draws of a seed lie.
+#[must_use]
+pub fn places(seed: u64, count: usize) -> Vec<Place> {
     let place = |variant: Variant| Place { along: variant.place, extends: variant.extends };
     fresh(&TOLERANCE, seed, count).into_iter().map(place).collect()
 }
