@@ -70,7 +70,7 @@ pub enum Command {
     Eval(Eval),
     /// Plot TARGET files and simulated runs on the same graphs, with their deviations
     Overlay(Overlay),
-    /// Commission a drive that is wired and has its reference: tests, fit, the parameters of what was found, and trial moves beside its twin
+    /// Commission a drive that is wired, homed and near mid-stroke: tests, fit, the parameters of what was found, and trial moves beside its twin
     ///
     /// The drive gets the parameters of the rig file first and those of the fit in the end; where a step fails or Ctrl-C ends it, those
     /// that it had. It is disabled between the steps.

@@ -12,7 +12,8 @@
 //!   plausible ([`parameter`]). Its own term, over the prior's standard deviation, keeps the search near the file where
 //!   the data are silent.
 //! - **The initial state** of each transient, position and pressures, is unknown within what sensors tell, and so is the side of
-//!   the valve's hysteresis on which the last command has left the spool; it is found with the parameters. The drive must be at rest then, its air as warm as the test says.
+//!   the valve's hysteresis on which the last command has left the spool; it is found with the parameters. The drive must be at rest then. Its air is as
+//!   warm as the test says, unless the pressures differ from start to start: then its temperatures are unknown, too.
 //! - **The encoder** rounds down: the model is position / pulse - 1/2, and sigma that of an even error of one
 //!   count, 1 / sqrt(12). While the drive stands that error repeats in every sample, so a sample counts where
 //!   the drive has moved on by one to two counts, and one in each rest ([`recording`]). A potentiometer rounds to the
@@ -229,7 +230,8 @@ pub struct Identification {
     pub runs: usize,
     /// Evaluations of the model's equations in these runs.
     pub evaluations: u64,
-    /// How far each recording's initial state is off the measured one, counts, and the side of its hysteresis.
+    /// How far each recording's initial state is off the measured one, counts, the temperatures of its air off the
+    /// file's, K, and the side of its hysteresis.
     pub starts: Vec<[f64; STARTS]>,
     /// The rig with the estimates.
     pub rig: Rig,

@@ -63,7 +63,7 @@ const LONGEST_S: f64 = 0.6;
 /// a heavier one goes farther.
 const LEFT_OF_SPEED: f64 = 0.1;
 
-/// How far from the ends of the stroke the model stops at least, as a part of it.
+/// How far from the ends of the stroke the model stays until it has stopped, as a part of the stroke.
 pub const STOPS_FROM_END: f64 = 0.1;
 
 /// Parts of a stroke of the valve that are tried for that, the best first.
@@ -136,10 +136,10 @@ impl Planned {
     }
 }
 
-/// A test on the drive of `rig` with its piston at `position`, m, as long as the model can be stopped before an end.
+/// A test on the drive of `rig` with its piston at `position`, m, shortened until the model stays inside of the stroke.
 ///
 /// # Errors
-/// When the piston is too near to an end, or the model does not move or cannot be stopped.
+/// When the piston is too near to an end, or the model does not move or does not stay inside.
 pub fn test(rig: &Rig, position: f64, test: Test) -> Result<Planned> {
     let start = middle_of_count(rig, position);
     let rig = &rig.with_numbers(&[(keys::test::POSITION_M.path, start)])?;

@@ -45,7 +45,7 @@ use crate::cli::{Commission, Identify};
 use crate::exit::Exit;
 use crate::json;
 
-/// Names of files in the folder.
+/// The page in the folder.
 const PAGE: &str = "commissioning.html";
 
 /// Moves of the trial: there and back, twice.
