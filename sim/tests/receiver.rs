@@ -14,6 +14,8 @@
 use pneudrive_sim::trace::{Extra, Row};
 use pneudrive_sim::{Accuracy, Method, Recording, Rig, run, run_recorded};
 
+use crate::vessel::charged;
+
 const R: f64 = 286.76;
 const N: f64 = 1.4;
 const T: f64 = 293.15;
@@ -101,24 +103,15 @@ fn a_receiver_empties_through_the_valve_as_the_exact_solutions_do() {
     }
 }
 
-/// Pressure of a receiver that a line charges, where heat stays (k = n) or goes (k = 1).
-fn charged(t: f64, k: f64) -> f64 {
-    let (start, per_s) = (OUTSIDE / HIGH, k / tau(C));
-    let choked = start + per_s * t;
-    if choked <= B {
-        return HIGH * choked;
-    }
-    let angle = per_s * (t - (B - start) / per_s) / (1.0 - B);
-    HIGH * (B + (1.0 - B) * angle.min(std::f64::consts::FRAC_PI_2).sin())
-}
-
 #[test]
 fn a_line_charges_a_receiver_to_its_own_pressure_as_iso_6358_says() {
     let fills = ["test.receiver_pressure_pa=101325", "test.duration_s=4", SHUT];
     for (wall, k, most) in [(None, N, 1e-7), (Some(ISOTHERMAL), 1.0, 1e-3)] {
         let wall: Vec<&str> = wall.into_iter().collect();
         let rows = rows(&vessel(&[&fills, &wall], ""));
-        let gap = largest_gap(&rows, |t| Some(charged(t, k)).filter(|p| *p < 0.999 * HIGH));
+        let gap = largest_gap(&rows, |t| {
+            Some(HIGH * charged(OUTSIDE / HIGH, k / tau(C), B, t)).filter(|p| *p < 0.999 * HIGH)
+        });
         assert!(gap < most, "k = {k}: {gap:e}");
         let last = rows.last().expect("rows");
         assert!((pressure(last) / HIGH - 1.0).abs() < 1e-9, "it rests: {last:?}");
