@@ -7,7 +7,7 @@ use pneudrive_link::client::Client;
 use pneudrive_records::target::TargetFile;
 use pneudrive_session::borrowed::lend;
 use pneudrive_session::record::to_memory;
-use pneudrive_session::test_run::{TestRun, set_loop};
+use pneudrive_session::test_run::{TestRun, set_loop, wait_for_rest};
 use pneudrive_sim::Rig;
 
 use crate::work::Meter;
@@ -50,6 +50,7 @@ struct AtDrive<'a> {
 impl TestRig for AtDrive<'_> {
     fn run(&mut self, test: &Rig) -> Result<()> {
         set_loop(self.client, test)?;
+        wait_for_rest(self.client, &mut || self.meter.check())?;
         let prepared = TestRun::of(test).prepare(self.client, None)?;
         prepared.run(self.client, self.meter.ends(), &mut || self.meter.check(), |_| {}).ended?;
         // Armed, a drive that creeps at its null would trip while its record is fetched.

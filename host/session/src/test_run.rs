@@ -23,6 +23,11 @@ use pneudrive_sim::keys;
 /// How long a stepper's spool may take to mid-travel; after that, the rig refuses the start and says why.
 const WALK_TO_NULL: Duration = Duration::from_secs(2);
 
+/// An axis that has stayed where it is for so long stands; one that creeps on for longer than the second is no longer waited for: the
+/// drive judges it once it is armed.
+const STANDS: Duration = Duration::from_millis(100);
+const WAIT_FOR_REST: Duration = Duration::from_secs(5);
+
 /// Asked again and again while the rig is waited for: an error ends the wait.
 pub type Interrupted<'a> = dyn FnMut() -> Result<()> + 'a;
 
@@ -246,6 +251,26 @@ pub fn wait_for_null(client: &mut Client, rig: &Rig, interrupted: &mut Interrupt
             break;
         }
         std::thread::sleep(Duration::from_millis(10));
+    }
+    Ok(())
+}
+
+/// Waits until a disarmed axis stands, as the drive itself understands that (`no_motion_counts`): what a test has moved coasts, and would
+/// trip the drive that is armed meanwhile.
+///
+/// # Errors
+/// When the rig does not answer, or `interrupted` says so.
+pub fn wait_for_rest(client: &mut Client, interrupted: &mut Interrupted<'_>) -> Result<()> {
+    let tolerance = client.parameters()?.values.get(id::NO_MOTION_COUNTS).unwrap_or(0).unsigned_abs();
+    let begun = Instant::now();
+    let (mut at, mut since) = (client.status()?.position, begun);
+    while since.elapsed() < STANDS && begun.elapsed() < WAIT_FOR_REST {
+        interrupted()?;
+        std::thread::sleep(Duration::from_millis(10));
+        let position = client.status()?.position;
+        if position.abs_diff(at) > tolerance {
+            (at, since) = (position, Instant::now());
+        }
     }
     Ok(())
 }

@@ -9,7 +9,7 @@ use pneudrive_link::client::Client;
 use pneudrive_records::target::TargetFile;
 use pneudrive_records::units::lacks_pressures;
 use pneudrive_session::borrowed::lend;
-use pneudrive_session::test_run::{TestRun, set_loop};
+use pneudrive_session::test_run::{TestRun, set_loop, wait_for_rest};
 use pneudrive_sim::Rig;
 use pneudrive_sim::component::controller::Loop;
 use pneudrive_sim::keys;
@@ -103,6 +103,7 @@ struct AtPort<'a> {
 impl TestRig for AtPort<'_> {
     fn run(&mut self, test: &Rig) -> Result<()> {
         set_loop(self.client, test)?;
+        wait_for_rest(self.client, &mut || Ok(()))?;
         run_test(self.client, TestRun::of(test), None)?;
         // Armed, a drive that creeps at its null would trip while its record is fetched.
         self.client.disarm()
