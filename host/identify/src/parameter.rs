@@ -5,7 +5,7 @@ use pneudrive_sim::Rig;
 use pneudrive_sim::component::actuator::leakage;
 use pneudrive_sim::keys;
 use pneudrive_sim::rig::MAX_DISCHARGE;
-use pneudrive_sim::rig::{Key, Kind, all_keys, find_key};
+use pneudrive_sim::rig::{Key, Kind, Source, all_keys, find_key};
 
 /// Tables whose numbers are physical; of `[test]` the initial state is.
 const TABLES: [&str; 9] =
@@ -109,9 +109,14 @@ impl Parameter {
             .ok_or_else(|| anyhow!("{path} has no value in the rig file; give one to start from"))?;
         let known =
             |table: &[(&str, f64)]| table.iter().find(|(known, _)| *known == path).map(|(_, size)| *size);
+        let range = rig.origin(key).range;
         let (scale, prior) = match known(&DIFFERENCES) {
-            Some(size) => (Scale::Difference(size), 1.0),
-            None => (Scale::Logarithm, known(&LOGARITHMS).unwrap_or(if key.vague { VAGUE } else { USUAL })),
+            Some(size) => (Scale::Difference(range.map_or(size, |range| size.max(deviation(range)))), 1.0),
+            None => {
+                let usual = known(&LOGARITHMS).unwrap_or(if key.vague { VAGUE } else { USUAL });
+                let logarithms = range.filter(|[low, _]| *low > 0.0).map(|range| range.map(f64::ln));
+                (Scale::Logarithm, logarithms.map_or(usual, |range| usual.max(deviation(range))))
+            }
         };
         if matches!(scale, Scale::Logarithm) && start <= 0.0 {
             bail!(
@@ -225,6 +230,11 @@ impl Parameter {
     }
 }
 
+/// Standard deviation of what lies anywhere in a range.
+fn deviation([low, high]: [f64; 2]) -> f64 {
+    (high - low) / 12f64.sqrt()
+}
+
 fn not_physical(path: &str) -> anyhow::Error {
     anyhow!("{path} cannot be fitted: it is not a physical number of the rig")
 }
@@ -245,11 +255,12 @@ const ALSO: [&str; 12] = [
     keys::leakage::PASSAGE_CLEARANCE_M.key.path,
 ];
 
-/// What is fitted if nothing is named: every physical value that the rig's models use and that is never known exactly.
-/// A value of 0 means that the rig does not have this; it is not fitted.
+/// What is fitted if nothing is named: every physical value that the rig's models use and that is never known exactly, or that the
+/// rig file gives as unknown. A value of 0 means that the rig does not have this; it is not fitted.
 #[must_use]
 pub fn usual(rig: &Rig) -> Vec<Parameter> {
-    let unknown = all_keys().filter(|key| key.spread || ALSO.contains(&key.path));
+    let is_open = |key| rig.origin(key).source == Source::Unknown;
+    let unknown = all_keys().filter(|key| key.spread || ALSO.contains(&key.path) || is_open(key));
     unknown.filter(|key| belongs(rig, key.path)).filter_map(|key| Parameter::of(rig, key.path).ok()).collect()
 }
 
@@ -327,6 +338,28 @@ mod tests {
         for path in ["valve.discharge_supply", "valve.sleeve_diameter_mm", "valve.port_diameter_mm"] {
             assert!(!paths("").contains(&path), "{path} is none of its figures");
         }
+    }
+
+    #[test]
+    fn what_a_rig_file_gives_as_unknown_is_fitted() {
+        let lap = |value: &str| rig(&format!("[valve]\nunderlap_mm = {value}\n"));
+        let fits_it = |rig: &Rig| usual(rig).iter().any(|p| p.key.path == keys::valve::UNDERLAP_MM.path);
+        assert!(fits_it(&lap("{ unknown = 0.025, low = 0.0, high = 0.05, from = \"judgement\" }")));
+        assert!(!fits_it(&lap("0.025")), "it is given");
+    }
+
+    #[test]
+    fn no_less_is_assumed_open_than_the_range_of_the_rig_file() {
+        let spring = |value: &str| {
+            Parameter::of(
+                &rig(&format!("[operator]\nspring_n_per_mm = {value}\n")),
+                "operator.spring_n_per_mm",
+            )
+        };
+        let prior = |value: &str| spring(value).expect("a number").prior;
+        let wide = prior("{ unknown = 9.0, low = 3.0, high = 27.0, from = \"judgement\" }");
+        assert!((wide - 9f64.ln() / 12f64.sqrt()).abs() < 1e-12, "{wide}");
+        assert_eq!(prior("{ unknown = 9.0, low = 8.9, high = 9.1, from = \"judgement\" }"), prior("9.0"));
     }
 
     #[test]
