@@ -1,8 +1,6 @@
 //! Where a virtual rig listens, and its callers.
 
 use std::net::{TcpListener, TcpStream};
-#[cfg(unix)]
-use std::time::Duration;
 use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
@@ -62,10 +60,9 @@ impl Listener {
 
     #[cfg(unix)]
     fn open_pty() -> Result<Listener> {
-        use serialport::SerialPort;
-        let (mut master, slave) = serialport::TTYPort::pair().context("cannot open a pty")?;
-        master.set_timeout(Duration::from_millis(1))?;
-        let name = format!("pty:{}", slave.name().context("the pty has no name")?);
+        let (master, slave) = pty::pair().context("cannot open a pty")?;
+        let path = nix::unistd::ttyname(&slave).context("the pty has no name")?;
+        let name = format!("pty:{}", path.display());
         let callers = vec![Caller::new(master, None)];
         let _far_end: Option<Box<dyn Send>> = Some(Box::new(slave));
         Ok(Listener { listener: None, token: None, callers, newcomer: None, name, _far_end })
@@ -107,5 +104,49 @@ impl Listener {
                 self.callers.push(Caller::new(stream, self.token.clone()));
             }
         }
+    }
+}
+
+#[cfg(unix)]
+mod pty {
+    use std::fs::File;
+    use std::os::fd::OwnedFd;
+
+    use nix::fcntl::{FcntlArg, FdFlag, OFlag, fcntl};
+    use nix::pty::openpty;
+    use nix::sys::termios::{SetArg, cfmakeraw, tcgetattr, tcsetattr};
+
+    /// Both ends of a pty that carries every byte as it is. Reading or writing the first one does not wait. Programs that are started
+    /// meanwhile get neither: one that lived on would keep a port open that has gone.
+    pub fn pair() -> nix::Result<(File, OwnedFd)> {
+        let pair = openpty(None, None)?;
+        for end in [&pair.master, &pair.slave] {
+            fcntl(end, FcntlArg::F_SETFD(FdFlag::FD_CLOEXEC))?;
+        }
+        fcntl(&pair.master, FcntlArg::F_SETFL(OFlag::O_NONBLOCK))?;
+        let mut settings = tcgetattr(&pair.slave)?;
+        cfmakeraw(&mut settings);
+        tcsetattr(&pair.slave, SetArg::TCSANOW, &settings)?;
+        Ok((pair.master.into(), pair.slave))
+    }
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use std::process::Command;
+
+    use pneudrive_link::port;
+
+    use super::*;
+
+    #[test]
+    fn a_port_goes_though_a_program_lives_on_that_was_started_meanwhile() {
+        let listener = Listener::open("pty").expect("a pty");
+        let mut other = Command::new("sleep").arg("60").spawn().expect("it starts");
+        let mut link = port::open(listener.port_name()).expect("it is there");
+        drop(listener);
+        let is_gone = (0..100).any(|_| link.read(&mut [0; 8]).is_err());
+        other.kill().and_then(|()| other.wait()).expect("it ends");
+        assert!(is_gone);
     }
 }
