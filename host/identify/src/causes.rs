@@ -106,7 +106,8 @@ pub struct Causes {
 
 impl Causes {
     /// Whether the best effect leaves nothing but noise.
-    pub(super) fn explain_to_noise(&self) -> bool {
+    #[must_use]
+    pub fn explain_to_noise(&self) -> bool {
         self.fitted.first().is_some_and(|best| best.leaves_noise && best.is_significant())
     }
 }

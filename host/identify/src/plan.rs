@@ -28,6 +28,14 @@ pub trait TestRig {
     /// When the rig has none, stops answering, or the file cannot be written.
     fn record(&mut self, name: &str) -> Result<(String, TargetFile)>;
 
+    /// Leaves the drive disarmed, its valve at the null, until the air in its chambers has come to rest.
+    ///
+    /// # Errors
+    /// When the rig stops answering.
+    fn settle(&mut self) -> Result<()> {
+        Ok(())
+    }
+
     /// The record of a test that an interrupted plan has made, and the file that keeps it.
     fn kept(&mut self, _name: &str) -> Option<(String, TargetFile)> {
         None
@@ -122,48 +130,72 @@ impl<B: TestRig> Plan<'_, B> {
         }
         let read_off: Vec<Planned> = ramp.into_iter().chain([test(moves::DYNAMIC)?]).collect();
         let fitted = moves::FITTED.map(test).into_iter().collect::<Result<Vec<_>>>()?;
+        let of = |test: &Planned, name: &str, file: &TargetFile| Recording::of(name, file, &test.rig);
         // In closed loop a drive with swapped tubes would run away, so there is no return before this.
-        let (name, file) = self.record(&movement, |file| check_movement(&file.samples))?;
+        let checked = |name: &str, file: &TargetFile| {
+            check_movement(&file.samples).with_context(|| name.to_owned())?;
+            Ok(of(&movement, name, file))
+        };
         let mut recorded = Recorded { fitted: Vec::new(), all: Vec::new() };
-        recorded.read_off(Recording::of(&name, &file, &movement.rig));
+        recorded.read_off(self.record(&movement, checked)??);
         for test in &read_off {
-            let (name, file) = self.record_from_the_start(test)?;
-            recorded.read_off(Recording::of(&name, &file, &test.rig));
+            self.return_to_the_start(test)?;
+            recorded.read_off(self.record(test, |name, file| Ok(of(test, name, file)))??);
         }
         for test in &fitted {
-            let (name, file) = self.record_from_the_start(test)?;
-            recorded.fitted.push(Recording::of(&name, &file, &test.rig)?);
+            self.return_to_the_start(test)?;
+            let take = |name: &str, file: &TargetFile| of(test, name, file);
+            let taken = match self.record(test, take)? {
+                Err(error) => self.once_more(test, &error, take),
+                taken => taken,
+            };
+            recorded.fitted.push(taken?);
         }
         recorded.all.extend(recorded.fitted.iter().cloned());
         Ok(recorded)
     }
 
-    /// Returns to the position at which the plan began, runs a test and records it, unless it is recorded already.
-    fn record_from_the_start(&mut self, test: &Planned) -> Result<(String, TargetFile)> {
-        if self.bench.kept(test.name).is_none() {
-            let return_move = self.return_move()?;
-            self.bench.run(&return_move)?;
-        }
-        self.record(test, |_| Ok(()))
-    }
-
-    /// The record of a test before it brakes, made now or by an interrupted plan, and its name for messages. One that `check` refuses
-    /// is not kept.
-    fn record(
+    /// Runs a test and takes its record before it brakes, unless an interrupted plan has made one. Within: why it was not taken; it is not
+    /// kept then.
+    fn record<T>(
         &mut self,
         test: &Planned,
-        check: impl Fn(&TargetFile) -> Result<()>,
-    ) -> Result<(String, TargetFile)> {
+        take: impl Fn(&str, &TargetFile) -> Result<T>,
+    ) -> Result<Result<T>> {
+        let told = |path: &str| format!("{path}, {}", test.name);
         if let Some((path, file)) = self.bench.kept(test.name) {
-            return Ok((format!("{path}, {}", test.name), test.before_it_brakes(file)));
+            return Ok(take(&told(&path), &test.before_it_brakes(file)));
         }
         self.bench.run(&test.rig)?;
         let (path, file) = self.bench.record(test.name)?;
-        let told = format!("{path}, {}", test.name);
-        let file = test.before_it_brakes(file);
-        check(&file).with_context(|| told.clone())?;
-        self.bench.keep(test.name, &path)?;
-        Ok((told, file))
+        let taken = take(&told(&path), &test.before_it_brakes(file));
+        if taken.is_ok() {
+            self.bench.keep(test.name, &path)?;
+        }
+        Ok(taken)
+    }
+
+    /// A test whose record was not taken: pressures change while the valve is at its null, and a load may let go of its place by that
+    /// until they rest.
+    fn once_more<T>(
+        &mut self,
+        test: &Planned,
+        error: &anyhow::Error,
+        take: impl Fn(&str, &TargetFile) -> Result<T>,
+    ) -> Result<T> {
+        log::info!("{error:#}; it is run again once the air has come to rest");
+        self.return_to_the_start(test)?;
+        self.bench.settle()?;
+        self.record(test, take)?
+    }
+
+    /// Returns to the position at which the plan began, unless the test that follows is recorded already.
+    fn return_to_the_start(&mut self, test: &Planned) -> Result<()> {
+        if self.bench.kept(test.name).is_some() {
+            return Ok(());
+        }
+        let return_move = self.return_move()?;
+        self.bench.run(&return_move)
     }
 
     fn return_move(&self) -> Result<Rig> {

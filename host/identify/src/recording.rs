@@ -9,6 +9,7 @@ use pneudrive_controller::Command;
 use pneudrive_controller::parameters::id;
 use pneudrive_protocol::RecordedSample;
 use pneudrive_records::target::TargetFile;
+use pneudrive_sim::component::encoder::pulse;
 use pneudrive_sim::component::friction::{Friction, FrictionModel};
 use pneudrive_sim::component::operator::{self, hysteresis};
 use pneudrive_sim::component::sensors::calibration::Calibration;
@@ -270,10 +271,14 @@ impl Recording {
     }
 }
 
-/// How far a load at rest may move, counts. One that friction holds rigidly does not move at all; one whose friction has
-/// states, as bristles do, yields as the pressures change, long before it slides.
+/// How far the seals give way under a load that rests, m: as pressures change, long before it slides, by some hundredths of a
+/// millimetre.
+const YIELDS_M: f64 = 3e-5;
+
+/// How far a load at rest may move, counts. One whose friction has states, as bristles do, moves by one on any encoder.
 fn counts_of_yield(rig: &Rig) -> i32 {
-    i32::from(!Friction::of(rig).scale().is_empty())
+    let has_states = !Friction::of(rig).scale().is_empty();
+    ((YIELDS_M / pulse(rig)).round() as i32).max(has_states.into())
 }
 
 /// How many samples a record begins with before the drive moves by more than `counts` or its command changes.

@@ -7,7 +7,7 @@ use pneudrive_link::client::Client;
 use pneudrive_records::target::TargetFile;
 use pneudrive_session::borrowed::lend;
 use pneudrive_session::record::to_memory;
-use pneudrive_session::test_run::{TestRun, set_loop, wait_for_rest};
+use pneudrive_session::test_run::{TestRun, set_loop, wait_for_air, wait_for_rest};
 use pneudrive_sim::Rig;
 
 use crate::work::Meter;
@@ -55,6 +55,10 @@ impl TestRig for AtDrive<'_> {
         prepared.run(self.client, self.meter.ends(), &mut || self.meter.check(), |_| {}).ended?;
         // Armed, a drive that creeps at its null would trip while its record is fetched.
         self.client.disarm()
+    }
+
+    fn settle(&mut self) -> Result<()> {
+        wait_for_air(self.client, &mut || self.meter.check())
     }
 
     fn record(&mut self, name: &str) -> Result<(String, TargetFile)> {

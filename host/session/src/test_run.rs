@@ -28,6 +28,10 @@ const WALK_TO_NULL: Duration = Duration::from_secs(2);
 const STANDS: Duration = Duration::from_millis(100);
 const WAIT_FOR_REST: Duration = Duration::from_secs(5);
 
+/// How long the air in the chambers of a cylinder takes, with the valve at its null, to come near to rest: it leaves and enters through
+/// what overlaps of its paths.
+const AIR_RESTS: Duration = Duration::from_secs(4);
+
 /// Asked again and again while the rig is waited for: an error ends the wait.
 pub type Interrupted<'a> = dyn FnMut() -> Result<()> + 'a;
 
@@ -271,6 +275,20 @@ pub fn wait_for_rest(client: &mut Client, interrupted: &mut Interrupted<'_>) -> 
         if position.abs_diff(at) > tolerance {
             (at, since) = (position, Instant::now());
         }
+    }
+    Ok(())
+}
+
+/// Leaves a disarmed drive alone until the air in its chambers has come to rest.
+///
+/// # Errors
+/// When the rig does not answer, or `interrupted` says so.
+pub fn wait_for_air(client: &mut Client, interrupted: &mut Interrupted<'_>) -> Result<()> {
+    let begun = Instant::now();
+    while begun.elapsed() < AIR_RESTS {
+        interrupted()?;
+        std::thread::sleep(Duration::from_millis(50));
+        client.status()?;
     }
     Ok(())
 }

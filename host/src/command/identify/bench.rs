@@ -9,7 +9,7 @@ use pneudrive_link::client::Client;
 use pneudrive_records::target::TargetFile;
 use pneudrive_records::units::lacks_pressures;
 use pneudrive_session::borrowed::lend;
-use pneudrive_session::test_run::{TestRun, set_loop, wait_for_rest};
+use pneudrive_session::test_run::{TestRun, set_loop, wait_for_air, wait_for_rest};
 use pneudrive_sim::Rig;
 use pneudrive_sim::component::controller::Loop;
 use pneudrive_sim::keys;
@@ -107,6 +107,10 @@ impl TestRig for AtPort<'_> {
         run_test(self.client, TestRun::of(test), None)?;
         // Armed, a drive that creeps at its null would trip while its record is fetched.
         self.client.disarm()
+    }
+
+    fn settle(&mut self) -> Result<()> {
+        wait_for_air(self.client, &mut || Ok(()))
     }
 
     fn record(&mut self, name: &str) -> Result<(String, TargetFile)> {
