@@ -11,6 +11,10 @@ use crate::program::{exists, folder, ok, transcript};
 /// The press at a port, whose true parameters are within 10 % of those of its file, and which goes on between the runs.
 fn press_at(listener: &str, seed: u64, faults: &[WiringFault]) -> Background {
     let rig = Rig::builtin("press").expect("a built-in rig").spread(0.1, seed).expect("within its ranges");
+    served(rig, listener, seed, faults)
+}
+
+fn served(rig: Rig, listener: &str, seed: u64, faults: &[WiringFault]) -> Background {
     let rig = VirtualRig::wired(rig, seed, Pace { fast: false, live: true }, faults).expect("a rig");
     Background::start(rig, Listener::open(listener).expect("a port"))
 }
@@ -37,6 +41,23 @@ fn a_drive_finds_its_constants_takes_them_over_and_positions() {
         transcript(folder.path(), &format!("device --port {} config get cascade_span", rig.port()));
     let span = found.parameters().get(pneudrive_controller::parameters::id::CASCADE_SPAN).expect("a number");
     assert!(parameters.contains(&span.to_string()), "it has the parameters of the fit: {parameters}");
+}
+
+/// The file's friction is rigid; that of any seal gives way before it slides.
+#[test]
+#[ignore = "long: cargo xtask test long"]
+fn a_drive_whose_seals_give_way_is_commissioned_with_such_friction() {
+    let press = Rig::builtin("press").expect("a built-in rig");
+    let bristles = press.with_plant(&["load.friction=lugre".to_owned()]).expect("valid");
+    let rig = served(bristles.spread(0.1, 3).expect("within its ranges"), "tcp:127.0.0.1:0", 3, &[]);
+    let folder = folder();
+    let printed = ok(folder.path(), &format!("commission press --port {} --yes --out found", rig.port()));
+    assert!(
+        printed.contains("does not explain the transients; again with friction that gives way"),
+        "{printed}"
+    );
+    let fitted = fs::read_to_string(folder.path().join("found/fitted.toml")).expect("there");
+    assert!(fitted.contains("friction = \"lugre\""), "{fitted}");
 }
 
 #[test]

@@ -7,6 +7,8 @@
 //! Nothing moves in closed loop before a short stroke of the valve has shown that the drive goes where it should. The drive gets back
 //! what it had where a step fails or is interrupted. Tests that were recorded before an interruption of the tests are not run again.
 
+mod fit;
+
 use std::io::{IsTerminal, stderr, stdin};
 use std::path::Path;
 
@@ -17,9 +19,7 @@ use pneudrive_evaluate::evaluation::{Motion, Move, moves, moves_of_run, toleranc
 use pneudrive_evaluate::report;
 use pneudrive_evaluate::transient::Transient;
 use pneudrive_identify::moves::STOPS_FROM_END;
-use pneudrive_identify::parameter::usual;
 use pneudrive_identify::plan::NEEDS_PRESSURES;
-use pneudrive_identify::report as report_of_fit;
 use pneudrive_link::client::Client;
 use pneudrive_optimise::ensemble::run_ensemble;
 use pneudrive_records::judged::Spacing;
@@ -33,15 +33,15 @@ use pneudrive_sim::component::encoder::{self, mm_per_count};
 use pneudrive_sim::{Accuracy, Rig, keys};
 use serde_json::json;
 
-use super::identify;
-use super::identify::bench::of_hanging_load;
+use super::identify::FITTED;
+use super::identify::bench::{check_direction, of_hanging_load};
 use super::interrupts::Interrupts;
 use super::overlay::overlay;
 use super::record::record;
-use super::rig_source::{load_choice, load_rig};
+use super::rig_source::load_choice;
 use super::run::run_test;
 use super::simulate;
-use crate::cli::{Commission, Identify};
+use crate::cli::Commission;
 use crate::exit::Exit;
 use crate::json;
 
@@ -120,11 +120,11 @@ fn trial_mm(arguments: &Commission, rig: &Rig) -> f64 {
 fn steps(arguments: &Commission, rig: &Rig, client: &mut Client, interrupts: &Interrupts) -> Result<()> {
     refuse_unreferenced(client)?;
     say!("2. whether it moves in the direction of its valve");
-    identify::bench::check_direction(&arguments.rig, client, &arguments.out)?;
+    check_direction(&arguments.rig, client, &arguments.out)?;
     say!("3. the middle of its stroke");
     to_the_middle(client, rig, interrupts)?;
     say!("4. the tests, and what they show");
-    let found = identified(arguments, rig, client, interrupts)?;
+    let found = fit::identified(arguments, rig, client, interrupts)?;
     say!("5. the parameters of what was found");
     client.disarm()?;
     client.import_parameters(&found.parameters())?;
@@ -176,30 +176,6 @@ fn to_the_middle(client: &mut Client, rig: &Rig, interrupts: &Interrupts) -> Res
     let test = slow_move::go(rig, &there, from_mm, middle_mm)?;
     run_test(client, TestRun::of(&test), None)?;
     client.disarm()
-}
-
-/// The rig file with what the tests of `identify --plan` show. The law of a rig that was only changed by numbers does not know them.
-fn identified(
-    arguments: &Commission,
-    rig: &Rig,
-    client: &mut Client,
-    interrupts: &Interrupts,
-) -> Result<Rig> {
-    let plan = Identify::of_plan(&arguments.rig, &arguments.port.port, &arguments.out, arguments.pages);
-    let recorded = identify::planned(&plan, client)?;
-    let read_off = identify::read_off(rig, &recorded);
-    let is_live = || !interrupts.look();
-    let cancel = CancelToken::cancelled_unless(&is_live);
-    let found = identify::fitted(&plan, (&recorded.fitted, usual(rig)), read_off, cancel);
-    goes_on(interrupts)?;
-    let found = found?;
-    for table in report_of_fit::tables(&found).iter().take(1) {
-        say!("{}\n{}", table.heading, table.to_text());
-    }
-    match report_of_fit::refusal(&found) {
-        None => load_rig(&arguments.out.join(identify::FITTED).to_string_lossy(), &[]),
-        Some(refusal) => Err(Exit::NotBorneOut.error(refusal)),
-    }
 }
 
 /// The rig with moves between two places beside the middle, mm, of which a recorder of this many samples holds all.
@@ -269,7 +245,7 @@ fn judge(arguments: &Commission, trial: &Rig, path: &Path, target: &TargetFile) 
             "{} of {TRIALS} trial moves do not settle within {tolerance} mm; {} shows them, and {} has what was found",
             off.len(),
             file.display(),
-            arguments.out.join(identify::FITTED).display()
+            arguments.out.join(FITTED).display()
         ))),
     }
 }
