@@ -56,7 +56,8 @@ pub(super) fn execute(arguments: &Identify) -> Result<()> {
     };
     let figures = read_off(&rig, &recorded);
     say!("{}\n{}", figures.heading, figures.to_text());
-    let found = fitted(arguments, (&recorded.fitted, parameters), figures, CancelToken::NEVER)?;
+    let found = searched(arguments, (&recorded.fitted, parameters), CancelToken::NEVER)?;
+    written(arguments, &recorded.fitted, figures, &found)?;
     for table in &report::tables(&found) {
         say!("{}\n{}", table.heading, table.to_text());
     }
@@ -90,21 +91,29 @@ pub(super) fn read_off(rig: &Rig, recorded: &Recorded) -> Table {
     read.table(rig)
 }
 
-/// The fit, whether it explains the data or not, with its files written.
-pub(super) fn fitted(
+/// The fit, whether it explains the data or not.
+pub(super) fn searched(
     arguments: &Identify,
     (recordings, parameters): (&[Recording], Vec<Parameter>),
-    read_off: Table,
     cancel: CancelToken<'_>,
 ) -> Result<Identification> {
     let rig = load_choice(&arguments.rig)?;
     make_writable(&arguments.out)?;
     let accuracy = arguments.integration.accuracy(&rig);
-    let found = identify(&rig, recordings, parameters, accuracy, &mut |line| tell!("{line}"), cancel)?;
-    json::figures(|| report::to_json(&found, recordings));
-    let page = report::page(&rig, recordings, accuracy, &found, read_off);
-    write(arguments, recordings, &found, &page)?;
-    Ok(found)
+    identify(&rig, recordings, parameters, accuracy, &mut |line| tell!("{line}"), cancel)
+}
+
+/// Writes the files of a fit.
+pub(super) fn written(
+    arguments: &Identify,
+    recordings: &[Recording],
+    read_off: Table,
+    found: &Identification,
+) -> Result<()> {
+    let rig = load_choice(&arguments.rig)?;
+    json::figures(|| report::to_json(found, recordings));
+    let page = report::page(&rig, recordings, arguments.integration.accuracy(&rig), found, read_off);
+    write(arguments, recordings, found, &page)
 }
 
 /// Writes the fitted rig file. If the fit is refused, removes the file of an earlier fit, which would be taken for this

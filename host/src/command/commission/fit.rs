@@ -4,15 +4,18 @@
 //! the rig file -> with the effect that explains the rest to noise -> with friction that gives way like bristles
 //! ```
 //!
-//! The first of these that leaves nothing but noise is taken. A drive that none explains is not commissioned.
+//! The first of these that leaves nothing but noise is taken. If none does, the one that follows the position best is taken, where it does so
+//! within the tolerance of the rig file: then no interval is to be trusted, and the trial moves tell whether the drive positions with it.
 
 use anyhow::Result;
 use pneudrive_evaluate::cancel::CancelToken;
+use pneudrive_evaluate::evaluation::tolerance_mm;
 use pneudrive_identify::Identification;
 use pneudrive_identify::parameter::usual;
 use pneudrive_identify::plan::Recorded;
 use pneudrive_identify::report;
 use pneudrive_link::client::Client;
+use pneudrive_sim::component::encoder::mm_per_count;
 use pneudrive_sim::component::friction::FrictionKind;
 use pneudrive_sim::key::Choice;
 use pneudrive_sim::{Rig, keys};
@@ -34,31 +37,60 @@ pub(super) fn identified(
 ) -> Result<Rig> {
     let mut plan = Identify::of_plan(&arguments.rig, &arguments.port.port, &arguments.out, arguments.pages);
     let recorded = identify::planned(&plan, client)?;
-    let mut found = fitted(&plan, &recorded, interrupts)?;
-    for other in [of_the_cause, of_the_friction] {
-        let Some(refusal) = report::refusal(&found) else { break };
-        let Some((why, settings)) = other(rig, &found) else { continue };
-        say!("{refusal}; again with {why}: {}", settings.join(", "));
-        plan.rig.settings = [&arguments.rig.settings[..], &settings].concat();
-        found = fitted(&plan, &recorded, interrupts)?;
-    }
-    if let Some(table) = report::tables(&found).first() {
+    let best = best(&mut plan, rig, &recorded, interrupts)?;
+    let refusal = report::refusal(&best.found);
+    plan.rig.settings = best.settings;
+    plan.despite_misfit = best.follows_mm <= tolerance_mm(Some(rig));
+    identify::written(&plan, &recorded.fitted, identify::read_off(rig, &recorded), &best.found)?;
+    if let Some(table) = report::tables(&best.found).first() {
         say!("{}\n{}", table.heading, table.to_text());
     }
-    match report::refusal(&found) {
-        None => load_rig(&arguments.out.join(identify::FITTED).to_string_lossy(), &[]),
-        Some(refusal) => Err(Exit::NotBorneOut.error(refusal)),
+    match refusal {
+        Some(refusal) if !plan.despite_misfit => return Err(Exit::NotBorneOut.error(refusal)),
+        Some(refusal) => say!(
+            "{refusal} to their noise, so no interval is to be trusted; it follows the position within {:.3} mm (root mean square), and the trial moves tell whether the drive positions with it",
+            best.follows_mm
+        ),
+        None => {}
+    }
+    load_rig(&arguments.out.join(identify::FITTED).to_string_lossy(), &[])
+}
+
+/// A fit, the settings of its rig file, and how far the model is off the recorded position, mm (root mean square).
+struct Fit {
+    found: Identification,
+    settings: Vec<String>,
+    follows_mm: f64,
+}
+
+impl Fit {
+    fn of(plan: &Identify, recorded: &Recorded, interrupts: &Interrupts) -> Result<Fit> {
+        let rig = load_choice(&plan.rig)?;
+        let is_live = || !interrupts.look();
+        let cancel = CancelToken::cancelled_unless(&is_live);
+        let found = identify::searched(plan, (&recorded.fitted, usual(&rig)), cancel);
+        goes_on(interrupts)?;
+        let found = found?;
+        let [position, ..] = &found.channels;
+        let counts = position.as_ref().map_or(f64::INFINITY, |position| position.after);
+        Ok(Fit { settings: plan.rig.settings.clone(), follows_mm: counts * mm_per_count(&rig), found })
     }
 }
 
-fn fitted(plan: &Identify, recorded: &Recorded, interrupts: &Interrupts) -> Result<Identification> {
-    let rig = load_choice(&plan.rig)?;
-    let read_off = identify::read_off(&rig, recorded);
-    let is_live = || !interrupts.look();
-    let cancel = CancelToken::cancelled_unless(&is_live);
-    let found = identify::fitted(plan, (&recorded.fitted, usual(&rig)), read_off, cancel);
-    goes_on(interrupts)?;
-    found
+fn best(plan: &mut Identify, rig: &Rig, recorded: &Recorded, interrupts: &Interrupts) -> Result<Fit> {
+    let given = plan.rig.settings.clone();
+    let mut best = Fit::of(plan, recorded, interrupts)?;
+    for other in [of_the_cause, of_the_friction] {
+        let Some(refusal) = report::refusal(&best.found) else { break };
+        let Some((why, settings)) = other(rig, &best.found) else { continue };
+        say!("{refusal}; again with {why}: {}", settings.join(", "));
+        plan.rig.settings = [&given[..], &settings].concat();
+        let fit = Fit::of(plan, recorded, interrupts)?;
+        if fit.found.fits || fit.follows_mm < best.follows_mm {
+            best = fit;
+        }
+    }
+    Ok(best)
 }
 
 /// An effect that the rig file lacks, and the settings that have it.
