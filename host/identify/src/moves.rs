@@ -36,6 +36,9 @@ pub type Test = (&'static str, f64, Strokes);
 /// The test that shows whether the drive moves in the direction of the valve.
 pub(crate) const MOVEMENT: Test = ("movement", 0.04, &[(960, 0.15)]);
 
+/// The same toward the retracted end.
+pub(crate) const MOVEMENT_BACK: Test = ("movement", 0.04, &[(-960, 0.15)]);
+
 /// The test that shows the top speed and the acceleration.
 pub(crate) const DYNAMIC: Test = ("dynamic", 0.04, &[(drive::MAX_COUNTS as i32, 0.9)]);
 

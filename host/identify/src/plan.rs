@@ -53,6 +53,9 @@ pub trait TestRig {
 /// Time to return to the position at which the plan began, s.
 const RETURN_S: f64 = 1.5;
 
+/// How often a test is run again whose record is refused.
+const AGAIN: usize = 3;
+
 /// A movement test with a shorter travel shows nothing, counts.
 const MOVED: i32 = 40;
 const UNMOVED: i32 = -MOVED;
@@ -91,16 +94,22 @@ pub fn run(bench: &mut impl TestRig, closed: &Rig, open: &Rig, count: i32) -> Re
     Plan { bench, closed, open, count }.run()
 }
 
-/// Opens the valve for a moment where the piston stands, at `count`, and refuses a drive that does not move in the direction of the valve,
-/// pushed by the pressures that its sensors show: in closed loop it would run to an end.
+/// Opens the valve for a moment where the piston stands, at `count`, toward the end that is farther away, and refuses a drive that does not
+/// move in the direction of the valve, pushed by the pressures that its sensors show: in closed loop it would run to an end.
 ///
 /// # Errors
 /// When the test cannot be run or recorded, or shows that.
 pub fn check_direction(bench: &mut impl TestRig, open: &Rig, count: i32) -> Result<()> {
-    let test = moves::test(open, position_m(open, count), moves::MOVEMENT)?;
+    let position = position_m(open, count);
+    let (movement, direction) = match position > 0.5 * open.get(&keys::actuator::STROKE_M) {
+        false => (moves::MOVEMENT, EXTEND),
+        true => (moves::MOVEMENT_BACK, RETRACT),
+    };
+    let test = moves::test(open, position, movement)?;
     bench.run(&test.rig)?;
     let (path, file) = bench.record(test.name)?;
-    check_movement(&test.before_it_brakes(file).samples).with_context(|| format!("{path}, {}", test.name))
+    check_movement(&test.before_it_brakes(file).samples, &direction)
+        .with_context(|| format!("{path}, {}", test.name))
 }
 
 /// Where the piston stands, m.
@@ -133,7 +142,7 @@ impl<B: TestRig> Plan<'_, B> {
         let of = |test: &Planned, name: &str, file: &TargetFile| Recording::of(name, file, &test.rig);
         // In closed loop a drive with swapped tubes would run away, so there is no return before this.
         let checked = |name: &str, file: &TargetFile| {
-            check_movement(&file.samples).with_context(|| name.to_owned())?;
+            check_movement(&file.samples, &EXTEND).with_context(|| name.to_owned())?;
             Ok(of(&movement, name, file))
         };
         let mut recorded = Recorded { fitted: Vec::new(), all: Vec::new() };
@@ -143,13 +152,8 @@ impl<B: TestRig> Plan<'_, B> {
             recorded.read_off(self.record(test, |name, file| Ok(of(test, name, file)))??);
         }
         for test in &fitted {
-            self.return_to_the_start(test)?;
-            let take = |name: &str, file: &TargetFile| of(test, name, file);
-            let taken = match self.record(test, take)? {
-                Err(error) => self.once_more(test, &error, take),
-                taken => taken,
-            };
-            recorded.fitted.push(taken?);
+            let fitted = self.fitted(test)?;
+            recorded.fitted.push(fitted);
         }
         recorded.all.extend(recorded.fitted.iter().cloned());
         Ok(recorded)
@@ -175,18 +179,20 @@ impl<B: TestRig> Plan<'_, B> {
         Ok(taken)
     }
 
-    /// A test whose record was not taken: pressures change while the valve is at its null, and a load may let go of its place by that
-    /// until they rest.
-    fn once_more<T>(
-        &mut self,
-        test: &Planned,
-        error: &anyhow::Error,
-        take: impl Fn(&str, &TargetFile) -> Result<T>,
-    ) -> Result<T> {
-        log::info!("{error:#}; it is run again once the air has come to rest");
+    /// The record of a test from rest. Pressures change while the valve is at its null, and a load may let go of its place by that until
+    /// they rest: then the test is run again behind a longer rest.
+    fn fitted(&mut self, test: &Planned) -> Result<Recording> {
+        let take = |name: &str, file: &TargetFile| Recording::of(name, file, &test.rig);
         self.return_to_the_start(test)?;
-        self.bench.settle()?;
-        self.record(test, take)?
+        let mut taken = self.record(test, take)?;
+        for _ in 0..AGAIN {
+            let Err(error) = &taken else { break };
+            log::info!("{error:#}; it is run again once the air has come to rest");
+            self.return_to_the_start(test)?;
+            self.bench.settle()?;
+            taken = self.record(test, take)?;
+        }
+        taken
     }
 
     /// Returns to the position at which the plan began, unless the test that follows is recorded already.
@@ -207,13 +213,45 @@ impl<B: TestRig> Plan<'_, B> {
     }
 }
 
-/// Whether the drive has moved in the direction of the valve, pushed by pressure 1.
-fn check_movement(samples: &[(i32, RecordedSample)]) -> Result<()> {
+/// A direction of the drive, in words.
+struct Direction {
+    /// 1: out, -1: in.
+    sign: i32,
+    asked: &'static str,
+    goes: &'static str,
+    goes_back: &'static str,
+    /// The chamber that drives it, and the other.
+    chambers: [u8; 2],
+    /// How the encoder counts where it is turned, and what the piston does.
+    counts_and_moves: [&'static str; 2],
+}
+
+const EXTEND: Direction = Direction {
+    sign: 1,
+    asked: "extend",
+    goes: "extends",
+    goes_back: "retracts",
+    chambers: [1, 2],
+    counts_and_moves: ["down", "out"],
+};
+
+const RETRACT: Direction = Direction {
+    sign: -1,
+    asked: "retract",
+    goes: "retracts",
+    goes_back: "extends",
+    chambers: [2, 1],
+    counts_and_moves: ["up", "in"],
+};
+
+/// Whether the drive has moved in the direction of the valve, pushed by the pressure of its chamber.
+fn check_movement(samples: &[(i32, RecordedSample)], direction: &Direction) -> Result<()> {
     let (Some((_, first)), Some((_, last))) = (samples.first(), samples.last()) else {
         bail!("nothing was recorded");
     };
-    let travel = last.position - first.position;
-    let push = first_push(samples, first.command);
+    let Direction { sign, asked, goes, goes_back, chambers: [driving, other], counts_and_moves } = direction;
+    let travel = sign * (last.position - first.position);
+    let push = sign * first_push(samples, first.command);
     match (travel, push) {
         (MOVED.., 1..) => Ok(()),
         (MOVED.., 0) => {
@@ -223,19 +261,21 @@ fn check_movement(samples: &[(i32, RecordedSample)]) -> Result<()> {
             Ok(())
         }
         (..=UNMOVED, 0) => bail!(
-            "the drive retracts by {} counts on a command to extend, and the pressures vary too much beforehand to show why: swap the tubes of the valve's ports, or turn the encoder (encoder.polarity, or the wiring of one that is absolute), and start again",
+            "the drive {goes_back} by {} counts on a command to {asked}, and the pressures vary too much beforehand to show why: swap the tubes of the valve's ports, or turn the encoder (encoder.polarity, or the wiring of one that is absolute), and start again",
             -travel
         ),
         (..=UNMOVED, ..=-1) => bail!(
-            "the drive retracts by {} counts on a command to extend, and chamber 2 is fed: the tubes of the valve's ports are swapped, or its polarity is wrong; correct this and start again",
+            "the drive {goes_back} by {} counts on a command to {asked}, and chamber {other} is fed: the tubes of the valve's ports are swapped, or its polarity is wrong; correct this and start again",
             -travel
         ),
         (..=UNMOVED, 1..) => bail!(
-            "the encoder counts down by {} while chamber 1 pushes the piston out; change encoder.polarity, or the wiring of one that is absolute, and start again",
-            -travel
+            "the encoder counts {} by {} while chamber {driving} pushes the piston {}; change encoder.polarity, or the wiring of one that is absolute, and start again",
+            counts_and_moves[0],
+            -travel,
+            counts_and_moves[1]
         ),
         (MOVED.., ..=-1) => bail!(
-            "the drive extends by {travel} counts while the pressure of chamber 2 rises: the pressure sensors are swapped; correct this and start again"
+            "the drive {goes} by {travel} counts while the pressure of chamber {other} rises: the pressure sensors are swapped; correct this and start again"
         ),
         _ => bail!(
             "the drive moves by only {travel} counts with the valve wide open; check the air supply, the enable of the amplifier, the spool and the encoder"
@@ -266,15 +306,19 @@ mod tests {
     }
 
     fn verdict_under(travel: i32, push: i16, swing: i16) -> String {
+        told(travel, push, swing, &EXTEND)
+    }
+
+    fn told(travel: i32, push: i16, swing: i16, direction: &Direction) -> String {
         let sample = |k: i32| RecordedSample {
             position: 8000 + travel * k.max(0) / 20,
             pressure_1: 1500 + push * k.max(0) as i16 + if k < 0 { swing * (k % 2) as i16 } else { 0 },
             pressure_2: 1500,
-            command: if k < 0 { 0 } else { 960 },
+            command: if k < 0 { 0 } else { 960 * direction.sign as i16 },
             ..RecordedSample::default()
         };
         let samples: Vec<(i32, RecordedSample)> = (-20..=20).map(|k| (k + 20, sample(k))).collect();
-        check_movement(&samples).map_or_else(|error| error.to_string(), |()| "right".to_owned())
+        check_movement(&samples, direction).map_or_else(|error| error.to_string(), |()| "right".to_owned())
     }
 
     #[test]
@@ -284,6 +328,18 @@ mod tests {
         assert!(verdict(-900, 20).contains("encoder.polarity"));
         assert!(verdict(900, -20).contains("sensors are swapped"));
         assert!(verdict(3, 20).contains("check the air supply"));
+    }
+
+    #[test]
+    fn a_movement_back_is_judged_as_its_mirror_image() {
+        let back = |travel, push| told(travel, push, 35, &RETRACT);
+        assert_eq!(back(-900, -20), "right");
+        assert!(
+            back(900, 20).contains("extends by 900 counts on a command to retract, and chamber 1 is fed")
+        );
+        assert!(back(900, -20).contains("the encoder counts up by 900 while chamber 2 pushes the piston in"));
+        assert!(back(-900, 20).contains("retracts by 900 counts while the pressure of chamber 1 rises"));
+        assert!(back(-3, -20).contains("check the air supply"));
     }
 
     #[test]

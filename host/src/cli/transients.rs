@@ -182,7 +182,7 @@ pub struct Identify {
     #[arg(long, value_name = "PORT")]
     pub plan: Option<String>,
     /// Keys to fit, such as load.mass_kg,load.viscous_n_s_per_m [default: every value that is never known exactly: supply
-    /// pressure, discharge, null, tubes, dead volumes, mass, friction, leakage, operator]
+    /// pressure, discharge, null, tubes, dead volumes, mass, friction, leakage, operator, and what the rig file gives as unknown]
     #[arg(long, value_name = "KEY,KEY...", value_delimiter = ',')]
     pub fit: Vec<String>,
     /// Write fitted.toml even if the model does not explain the data; the exit code is still 7
