@@ -23,7 +23,7 @@ impl Assembly {
 
     /// The air in both chambers.
     pub(super) fn air(&self, x: &StateVector) -> ChamberAir<Pair> {
-        self.air_in(self.parts.actuator.both_volumes(x[slot::POSITION], x[slot::VELOCITY]).volume, x)
+        self.air_in(self.volumes(x).volume, x)
     }
 
     /// The same in volumes of m^3.
@@ -94,7 +94,7 @@ impl Assembly {
         if self.parts.receiver.is_some() {
             self.draw_from_receiver(x);
         }
-        let mut stations = air.station();
+        let mut stations = self.air_at_ports(x, air);
         if let Some(lag) = &self.parts.lag {
             let [supply, one, two] = slot::RATIO.map(|i| x[i]);
             let exner = lag.supply.exner * self.parts.gas.exner_ratio(supply);
@@ -150,9 +150,9 @@ impl Assembly {
     /// The temperatures of the air in the tubes into or out of the chambers. While charging it is the temperature of
     /// the air from the valve (the tube is adiabatic, EQUATIONS section 3), else the chamber's.
     #[inline(always)]
-    pub(super) fn carried(&self, nodes: &Nodes, air: &ChamberAir<Pair>) -> Pair {
+    pub(super) fn carried(&self, nodes: &Nodes, at_ports: &GasState<Pair>) -> Pair {
         let charging = PortFlow::charging(&self.ports.directions);
-        self.joined(Pair::choose(charging, nodes.carried, self.joined(air.temperature)))
+        self.joined(Pair::choose(charging, nodes.carried, self.joined(at_ports.temperature)))
     }
 
     /// The flows into the chambers through holes, and the temperatures that they carry.
