@@ -237,7 +237,7 @@ impl Assembly {
         }
         let [one, two] = self.acting(x, air.pressure.to_array());
         let force = self.parts.actuator.force(one, two);
-        self.follow_pressures(air.pressure.to_array(), x, &mut slope);
+        self.follow_pressures(self.at_sensors(x, air.pressure.to_array()), x, &mut slope);
         self.move_load(force, x, &mut slope);
         if let Some(lag) = &self.parts.lag {
             let in_tubes = GasState { temperature: carried, ..at_ports };

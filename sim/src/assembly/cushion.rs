@@ -137,6 +137,15 @@ impl Assembly {
         pressures
     }
 
+    /// The pressures at the sensors, Pa: at the ports.
+    #[inline(always)]
+    pub(super) fn at_sensors(&self, x: &StateVector, mut pressures: [f64; 2]) -> [f64; 2] {
+        if let Some((end, cushions)) = self.spear_in() {
+            pressures[end] = self.parts.gas.pressure(x[cushions.places[1]]);
+        }
+        pressures
+    }
+
     /// The rates of the pressures that act on the piston, Pa/s.
     pub(super) fn acting_rates(&self, x: &StateVector, slope: &StateVector) -> [f64; 2] {
         let rate = |place: usize| self.parts.gas.pressure_rate(x[place], slope[place]);

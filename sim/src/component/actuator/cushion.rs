@@ -44,9 +44,9 @@ words! {
 
 keys! {
     CUSHION: CushionKind = choice("actuator.cushion", "", "End cushions: a spear shuts the bore to the port near the end of the stroke, so that the air there leaves by a throttle.");
-    CUSHION_1_LENGTH_M: f64 = number("actuator.cushion_1_length_m", 0.02, 0.0, 1.0, "", "Length of the cushion at the retracted end; 0: none. Sheets print it; 20 mm is that of a cylinder of 32 mm.").chosen_by(&CUSHION, &["adjustable"]);
+    CUSHION_1_LENGTH_M: f64 = number("actuator.cushion_1_length_m", 0.02, 0.0, 1.0, "", "Length of the cushion at the retracted end, 0 for none; the default is that of a rodless cylinder of 32 mm bore.").chosen_by(&CUSHION, &["adjustable"]);
     CUSHION_2_LENGTH_M: f64 = number("actuator.cushion_2_length_m", 0.02, 0.0, 1.0, "", "The same at the extended end.").chosen_by(&CUSHION, &["adjustable"]);
-    CUSHION_1_CONDUCTANCE: f64 = number("actuator.cushion_1_conductance_m3_per_s_pa", 1e-9, 0.0, 1e-6, "", "Sonic conductance of the throttle at the retracted end (ISO 6358); 0: shut. A round number, as the needle may stand anywhere.").chosen_by(&CUSHION, &["adjustable"]).spread();
+    CUSHION_1_CONDUCTANCE: f64 = number("actuator.cushion_1_conductance_m3_per_s_pa", 1e-9, 0.0, 1e-6, "", "Sonic conductance of the throttle at the retracted end (ISO 6358), 0 where it is shut; a round number, as the needle may stand anywhere.").chosen_by(&CUSHION, &["adjustable"]).spread();
     CUSHION_2_CONDUCTANCE: f64 = number("actuator.cushion_2_conductance_m3_per_s_pa", 1e-9, 0.0, 1e-6, "", "The same at the extended end.").chosen_by(&CUSHION, &["adjustable"]).spread();
     CUSHION_CHECK_CONDUCTANCE: f64 = number("actuator.cushion_check_conductance_m3_per_s_pa", 1e-8, 0.0, 1e-6, "", "Sonic conductance of the check valves, through which air comes back into a chamber whose spear is in; a round number, as sheets have none.").chosen_by(&CUSHION, &["adjustable"]);
     CUSHION_CRITICAL_RATIO: f64 = number("actuator.cushion_critical_ratio", 0.3, 0.0, 0.9, "", "Critical pressure ratio of throttles and check valves (ISO 6358).").chosen_by(&CUSHION, &["adjustable"]);
@@ -105,13 +105,20 @@ pub fn has_cushions(rig: &Rig) -> bool {
 }
 
 /// l at both ends, m; 0 where there is no cushion. A vented chamber has none: its air leaves by the vent.
-#[must_use]
-pub fn lengths(rig: &Rig) -> [f64; 2] {
+fn lengths(rig: &Rig) -> [f64; 2] {
     if rig.get(&keys::CUSHION) == CushionKind::None {
         return [0.0; 2];
     }
     let vented = Vent::of(rig).map(|vent| vent.chamber);
     [0, 1].map(|end| if vented == Some(end) { 0.0 } else { rig.get(LENGTHS[end]) })
+}
+
+/// The positions between which no spear is in, m; infinite where there is no cushion.
+#[must_use]
+pub fn between(rig: &Rig) -> [f64; 2] {
+    let ([near, far], stroke) = (lengths(rig), rig.get(&super::keys::STROKE_M));
+    let or = |length: f64, end: f64, none: f64| if length > 0.0 { end } else { none };
+    [or(near, near, f64::NEG_INFINITY), or(far, stroke - far, f64::INFINITY)]
 }
 
 /// The diameters of the rod on both sides of the piston, m.
