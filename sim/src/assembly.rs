@@ -215,7 +215,7 @@ impl Assembly {
         let flows = self.joined(nodes.port_flow());
         let at_ports = self.air_at_ports(x, &air);
         let carried = self.carried(&nodes, &at_ports);
-        let entering = self.into_chambers(x, &air, (flows, carried));
+        let entering = self.entering_chambers(x, &air, (flows, carried));
         let leak = self.parts.actuator.leak(gas, &air).entering();
         let holes = self.through_holes(&air);
         let [mut masses, mut exners] = air.derivative(gas, volumes, [entering, leak, holes]);

@@ -158,7 +158,7 @@ impl Assembly {
 
     /// The flows into the chambers from their ports, and what they carry: past the spear where one is in.
     #[inline(always)]
-    pub(super) fn into_chambers(
+    pub(super) fn entering_chambers(
         &self,
         x: &StateVector,
         air: &ChamberAir<Pair>,
