@@ -46,7 +46,7 @@ fn free_places(rig: &Rig) -> Option<[usize; 2]> {
 /// The constraints between cushions and what has states of its own.
 pub(crate) fn check(rig: &Rig, findings: &mut Findings) {
     if has_cushions(rig) && free_places(rig).is_none() {
-        let message = "\"adjustable\": the states of its air have no place beside a receiver or lagged tubes, lagged pressure sensors and bristles at once; leave out one of supply.model = \"receiver\", tubing.lag_s, sensors.pressure_lag_s and load.friction = \"lugre\"";
+        let message = "\"adjustable\": the states of its air have no place beside a receiver or lagged tubes, lagged pressure sensors and bristles at once; leave out one of supply.model = \"receiver\" or tubing.lag_s, sensors.pressure_lag_s, and a load.friction with bristles";
         findings.note(&keys::CUSHION, message);
     }
 }
