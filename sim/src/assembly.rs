@@ -237,7 +237,7 @@ impl Assembly {
         }
         let [one, two] = self.acting(x, air.pressure.to_array());
         let force = self.parts.actuator.force(one, two);
-        self.follow_pressures(self.at_sensors(x, air.pressure.to_array()), x, &mut slope);
+        self.follow_pressures(air.pressure.to_array(), x, &mut slope);
         self.move_load(force, x, &mut slope);
         if let Some(lag) = &self.parts.lag {
             let in_tubes = GasState { temperature: carried, ..at_ports };
@@ -299,7 +299,7 @@ impl System<STATES, GUARDS, END_GUARDS> for Assembly {
     }
 
     fn n_moving(&self) -> usize {
-        let last = self.parts.cushions.map_or(0, |own| own.places[1]);
+        let last = self.parts.cushions.as_ref().map_or(0, |own| own.places[1]);
         if !self.parts.load.friction.scale().is_empty() || last >= slot::FRICTION[0] {
             STATES
         } else if self.parts.sensor_lag.is_some() || last >= slot::SENSED[0] {
@@ -340,7 +340,7 @@ impl System<STATES, GUARDS, END_GUARDS> for Assembly {
 
     fn beyond_model(&self, x: &StateVector) -> Option<&'static str> {
         let position = x[slot::POSITION];
-        let of_cushion = || self.parts.cushions?.cushion.used_up(self.spear, position);
+        let of_cushion = || self.parts.cushions.as_ref()?.cushion.used_up(self.spear, position);
         self.parts.actuator.used_up(position).or_else(of_cushion).or_else(|| self.parts.network.jumps())
     }
 

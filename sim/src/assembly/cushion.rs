@@ -79,6 +79,7 @@ impl Cushions {
     }
 }
 
+// Where no spear is in, this costs next to nothing: what is taken by its address is a copy, so that it stays in registers otherwise.
 impl Assembly {
     /// The cushions, and the end whose spear is in.
     #[inline(always)]
@@ -108,7 +109,7 @@ impl Assembly {
     /// The air at the ports of the chambers: that of the pocket where a spear is in.
     #[inline(always)]
     pub(super) fn air_at_ports(&self, x: &StateVector, air: &ChamberAir<Pair>) -> GasState<Pair> {
-        if self.spear.is_none() { air.station() } else { self.air_before_spear(x, air) }
+        if self.spear.is_none() { air.station() } else { self.air_before_spear(x, &{ *air }) }
     }
 
     #[cold]
@@ -139,7 +140,13 @@ impl Assembly {
 
     /// The pressures at the sensors, Pa: at the ports.
     #[inline(always)]
-    pub(super) fn at_sensors(&self, x: &StateVector, mut pressures: [f64; 2]) -> [f64; 2] {
+    pub(super) fn at_sensors(&self, x: &StateVector, pressures: [f64; 2]) -> [f64; 2] {
+        if self.spear.is_none() { pressures } else { self.before_spear(x, pressures) }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn before_spear(&self, x: &StateVector, mut pressures: [f64; 2]) -> [f64; 2] {
         if let Some((end, cushions)) = self.spear_in() {
             pressures[end] = self.parts.gas.pressure(x[cushions.places[1]]);
         }
@@ -164,7 +171,7 @@ impl Assembly {
         air: &ChamberAir<Pair>,
         ports: (Pair, Pair),
     ) -> (Pair, Pair) {
-        if self.spear.is_none() { ports } else { self.past_spear(x, air, ports) }
+        if self.spear.is_none() { ports } else { self.past_spear(x, &{ *air }, ports) }
     }
 
     #[cold]

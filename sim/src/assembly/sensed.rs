@@ -31,7 +31,7 @@ impl Assembly {
     #[inline(always)]
     pub(super) fn follow_pressures(&self, pressures: [f64; 2], x: &StateVector, slope: &mut StateVector) {
         if let Some(lag) = self.parts.sensor_lag {
-            for (place, pressure) in slot::SENSED.into_iter().zip(pressures) {
+            for (place, pressure) in slot::SENSED.into_iter().zip(self.at_sensors(x, pressures)) {
                 slope[place] = (pressure - x[place]) / lag;
             }
         }
