@@ -176,7 +176,7 @@ impl Assembly {
             return 0.0;
         }
         let nodes = self.nodes_found(t, x);
-        let ends = self.ends_at_valve(x, &self.air(x));
+        let ends = self.ends_at_valve(x, &self.at_ports(x));
         let behind = self.parts.network.exner_behind_ports(&nodes, &ends, &self.ports.directions);
         let each = nodes.each();
         let spool = self.spool_to_lands(t, x);
@@ -208,14 +208,26 @@ impl Assembly {
     /// The rates of all but the spool: of load, air and lagged tubes. No command is in them.
     #[inline(always)]
     fn rates_but_spool(&mut self, t: f64, x: &StateVector) -> StateVector {
-        let volumes = self.volumes(x);
+        if self.spear.is_none() { self.rates_with(None, t, x) } else { self.rates_in_cushion(t, x) }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn rates_in_cushion(&mut self, t: f64, x: &StateVector) -> StateVector {
+        self.rates_with(self.spear, t, x)
+    }
+
+    /// The same with a spear that is in, or none.
+    #[inline(always)]
+    fn rates_with(&mut self, spear: Option<usize>, t: f64, x: &StateVector) -> StateVector {
+        let volumes = self.volumes_with(spear, x);
         let air = self.air_in(volumes.volume, x);
-        let nodes = self.nodes_of(t, x, &air);
+        let at_ports = self.air_at_ports(spear, x, &air);
+        let nodes = self.nodes_of(t, x, &at_ports);
         let gas = &self.parts.gas;
         let flows = self.joined(nodes.port_flow());
-        let at_ports = self.air_at_ports(x, &air);
         let carried = self.carried(&nodes, &at_ports);
-        let entering = self.entering_chambers(x, &air, (flows, carried));
+        let entering = self.entering_chambers(spear, x, &air, (flows, carried));
         let leak = self.parts.actuator.leak(gas, &air).entering();
         let holes = self.through_holes(&air);
         let [mut masses, mut exners] = air.derivative(gas, volumes, [entering, leak, holes]);
@@ -235,7 +247,7 @@ impl Assembly {
         if self.parts.receiver.is_some() {
             self.fill_receiver(x, &nodes, &mut slope);
         }
-        let [one, two] = self.acting(x, air.pressure.to_array());
+        let [one, two] = self.acting(spear, x, air.pressure.to_array());
         let force = self.parts.actuator.force(one, two);
         self.follow_pressures(air.pressure.to_array(), x, &mut slope);
         self.move_load(force, x, &mut slope);
@@ -248,7 +260,7 @@ impl Assembly {
             }
         }
         // Last, as its places are those of others.
-        if self.spear.is_some() {
+        if spear.is_some() {
             self.fill_pocket(x, (flows, carried), entering, &mut slope);
         }
         slope

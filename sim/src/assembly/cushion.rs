@@ -79,7 +79,8 @@ impl Cushions {
     }
 }
 
-// Where no spear is in, this costs next to nothing: what is taken by its address is a copy, so that it stays in registers otherwise.
+// Where no spear is in, this costs next to nothing: what is taken by its address is a copy, so that it stays in registers otherwise,
+// and the right-hand side asks once.
 impl Assembly {
     /// The cushions, and the end whose spear is in.
     #[inline(always)]
@@ -92,11 +93,17 @@ impl Assembly {
         self.spear.is_some()
     }
 
-    /// The volumes of the chambers, behind a spear that is in.
+    /// The volumes of the chambers.
     #[inline(always)]
     pub(super) fn volumes(&self, x: &StateVector) -> Volume<Pair> {
+        self.volumes_with(self.spear, x)
+    }
+
+    /// The same, behind a spear that is in.
+    #[inline(always)]
+    pub(super) fn volumes_with(&self, spear: Option<usize>, x: &StateVector) -> Volume<Pair> {
         let both = self.parts.actuator.both_volumes(x[slot::POSITION], x[slot::VELOCITY]);
-        if self.spear.is_none() { both } else { self.volumes_behind_spear(both, x) }
+        if spear.is_none() { both } else { self.volumes_behind_spear(both, x) }
     }
 
     #[cold]
@@ -106,10 +113,20 @@ impl Assembly {
         cushions.cushion.behind_spear(end, both, cushions.pocket(end, x))
     }
 
+    /// The air at the ports of the chambers in a state.
+    pub(super) fn at_ports(&self, x: &StateVector) -> GasState<Pair> {
+        self.air_at_ports(self.spear, x, &self.air(x))
+    }
+
     /// The air at the ports of the chambers: that of the pocket where a spear is in.
     #[inline(always)]
-    pub(super) fn air_at_ports(&self, x: &StateVector, air: &ChamberAir<Pair>) -> GasState<Pair> {
-        if self.spear.is_none() { air.station() } else { self.air_before_spear(x, &{ *air }) }
+    pub(super) fn air_at_ports(
+        &self,
+        spear: Option<usize>,
+        x: &StateVector,
+        air: &ChamberAir<Pair>,
+    ) -> GasState<Pair> {
+        if spear.is_none() { air.station() } else { self.air_before_spear(x, &{ *air }) }
     }
 
     #[cold]
@@ -124,8 +141,8 @@ impl Assembly {
 
     /// The pressures that act on the piston, Pa: on the part of the spear that of the pocket.
     #[inline(always)]
-    pub(super) fn acting(&self, x: &StateVector, pressures: [f64; 2]) -> [f64; 2] {
-        if self.spear.is_none() { pressures } else { self.acting_on_spear(x, pressures) }
+    pub(super) fn acting(&self, spear: Option<usize>, x: &StateVector, pressures: [f64; 2]) -> [f64; 2] {
+        if spear.is_none() { pressures } else { self.acting_on_spear(x, pressures) }
     }
 
     #[cold]
@@ -167,11 +184,12 @@ impl Assembly {
     #[inline(always)]
     pub(super) fn entering_chambers(
         &self,
+        spear: Option<usize>,
         x: &StateVector,
         air: &ChamberAir<Pair>,
         ports: (Pair, Pair),
     ) -> (Pair, Pair) {
-        if self.spear.is_none() { ports } else { self.past_spear(x, &{ *air }, ports) }
+        if spear.is_none() { ports } else { self.past_spear(x, &{ *air }, ports) }
     }
 
     #[cold]

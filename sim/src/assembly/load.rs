@@ -29,7 +29,7 @@ impl Parts {
 impl Assembly {
     /// The load under the air of a state.
     pub(super) fn body(&self, x: &StateVector) -> Body {
-        let [p1, p2] = self.acting(x, slot::EXNER.map(|i| self.parts.gas.pressure(x[i])));
+        let [p1, p2] = self.acting(self.spear, x, slot::EXNER.map(|i| self.parts.gas.pressure(x[i])));
         self.body_under(self.parts.actuator.force(p1, p2), x)
     }
 
@@ -55,7 +55,7 @@ impl Assembly {
     /// Quantities that depend only on the state.
     pub fn effects(&self, x: &StateVector) -> Effects {
         let air = self.air(x);
-        let [one, two] = self.acting(x, air.pressure.to_array());
+        let [one, two] = self.acting(self.spear, x, air.pressure.to_array());
         let actuator_force = self.parts.actuator.force(one, two);
         let body = self.body_under(actuator_force, x);
         Effects {
