@@ -10,7 +10,7 @@
 use std::f64::consts::PI;
 
 use pneudrive_sim::trace::{Extra, Row};
-use pneudrive_sim::{Accuracy, Method, Recording, Rig, run_recorded};
+use pneudrive_sim::{Accuracy, Method, NotLinear, Plant, Recording, Rig, run_recorded};
 
 const N: f64 = 1.4;
 const R: f64 = 286.76;
@@ -553,4 +553,36 @@ fn the_pressure_sensors_read_the_ports() {
         seen += 1;
     }
     assert!(seen > 50, "{seen}");
+}
+
+/// A spear stays with its chamber.
+#[test]
+fn swapped_tubes_leave_the_cushions_where_they_are() {
+    let of = |counts: i32, fault: &str| {
+        let text = format!(
+            "[valve]\nmodel = \"iso-6358\"\ncharacteristic = \"linear\"\nsonic_conductance_m3_per_s_pa = 2e-8\ncritical_ratio = 0.3\n[tubing]\nmodel = \"none\"\n[actuator]\ncushion = \"adjustable\"\ncushion_2_length_m = 0.1\ncushion_spear_diameter_m = 0.03\n[controller]\nloop = \"open\"\n[operator]\ndither_mm = 0\n[test]\nposition_m = 0.15\nmoves = [[0.0, {counts}]]\nduration_s = 0.4\n{fault}"
+        );
+        let rig = Rig::read("swapped", &text).unwrap_or_else(|problems| panic!("{problems}"));
+        rows_at(&rig, 1e-10).last().expect("rows").plant.position
+    };
+    let fault = "[[faults.event]]\nkind = \"swapped-tubes\"\nat_s = 0.0\n";
+    let (straight, crossed, back) = (of(1500, ""), of(-1500, fault), of(1500, fault));
+    assert!((0.21..0.28).contains(&straight) && (straight - crossed).abs() < 1e-6, "{straight} {crossed}");
+    assert!(back < 0.1, "{back}");
+}
+
+#[test]
+fn a_linear_model_is_refused_in_a_cushion_and_not_in_front_of_it() {
+    let at = |position: &str| {
+        let rig = rig(&[&[CUSHION, position]]);
+        let mut plant = Plant::new(&rig, Accuracy::of(&rig), 0);
+        plant.sample().expect("a sample");
+        plant.linearise()
+    };
+    let refused = at("test.position_m=0.01").expect_err("refused");
+    assert!(
+        refused == NotLinear::InCushion && refused.to_string().contains("in front of the cushion"),
+        "{refused}"
+    );
+    assert!(at("test.position_m=0.15").is_ok());
 }

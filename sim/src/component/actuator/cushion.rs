@@ -13,9 +13,9 @@
 //! ```
 //!
 //! The pocket is the bore that the spear goes into, with port and tube. It is a vessel of its own as long as the spear is in, and the valve
-//! empties and fills it. Both vessels are [`crate::component::air`], phi is that of [`Opening`], and mass and energy change by nothing
-//! else: this follows from their balances, and the thesis has no cushion. Simscape's cylinder cushion has the same parts: an orifice that
-//! the position closes, a throttle and a check valve.
+//! empties and fills it. Both vessels are [`crate::component::air`], phi is that of an opening in [`crate::component::valve::iso6358`],
+//! and mass and energy change by nothing else: this follows from their balances, and the thesis has no cushion. Simscape's cylinder
+//! cushion has the same parts: an orifice that the position closes, a throttle and a check valve.
 //!
 //! The spear shuts the bore at once, and opens it at once: both are events. A spear that comes out while the pressures differ lets them
 //! become equal within that instant, without work. Sheets have the length alone; the throttle may stand anywhere.

@@ -14,7 +14,8 @@
 //! energy of receiver and chambers change by what line, exhaust, walls and piston exchange with them, and by nothing else; but
 //! with `valve.upstream_mach` the air that approaches a land is warmer than that (6.54), and the mass alone is in balance.
 //!
-//! Near P = P_l the ellipse of ISO 6358 has an infinite slope, so phi goes to 0 in proportion there ([`Opening`]).
+//! Near P = P_l the ellipse of ISO 6358 has an infinite slope, so phi goes to 0 in proportion there
+//! ([`crate::component::valve::iso6358`]).
 //!
 //! A receiver has plain ports when it is bought. The check valve in front of it, which keeps its pressure while the line loses its own,
 //! is a part of its own, opens at once, and its loss is in C and b.
