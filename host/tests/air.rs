@@ -184,6 +184,15 @@ fn what_a_record_cannot_show_is_none() {
     let narrow = rig("servo-b-tuned", &["sensors.pressure_max_pa=400000.0".to_owned()]);
     let cut = recorded(&narrow, &run, 1);
     assert_eq!(air(&cut, Some(&Chambers::of(&narrow))), None, "the pressure is beyond its converter");
+    let cushioned = |length: &str| {
+        let length = format!("actuator.cushion_2_length_m={length}");
+        air(
+            &record,
+            Some(&Chambers::of(&rig("servo-b-tuned", &["actuator.cushion=adjustable".to_owned(), length]))),
+        )
+    };
+    assert_eq!(cushioned("0.15"), None, "its moves to 0.197 m end in that cushion, whose air no sensor sees");
+    assert_eq!(cushioned("0.02"), air(&record, Some(&Chambers::of(&rig_b))));
 }
 
 /// Rows at a whole multiple of the dither's period all see it at one phase: every other row has the same sum.

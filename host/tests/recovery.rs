@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 use pneudrive_evaluate::cancel::CancelToken;
+use pneudrive_evaluate::recorded_run::recorded_run;
 use pneudrive_identify::figures::Figures;
 use pneudrive_identify::parameter::{Parameter, usual};
 use pneudrive_identify::recording::Recording;
@@ -183,6 +184,38 @@ fn what_no_sample_depends_on_is_neither_fitted_nor_told_an_interval_of() {
         !(told.interval[0]..=told.interval[1]).contains(&truth)
     });
     assert!(missed.count() <= 3, "{:?}", found.estimates);
+}
+
+/// A record that goes into the cushion at the extended end tells of its throttle, and nothing of the other one.
+#[test]
+fn the_throttle_of_a_cushion_is_found_from_a_record_that_goes_into_it() {
+    let settings = [
+        "controller.loop=open",
+        "operator.dither_mm=0",
+        "test.duration_s=0.9",
+        "test.moves=[[0.0, 0], [0.05, 1200], [0.7, -1200], [0.85, 0]]",
+        "actuator.cushion=adjustable",
+        "actuator.cushion_1_length_m=0.06",
+        "actuator.cushion_2_length_m=0.06",
+    ];
+    let file = Rig::builtin("servo-b").expect("a built-in rig").with_settings(&settings).expect("valid");
+    let drive = file.with_settings(&["actuator.cushion_2_conductance_m3_per_s_pa=1.3e-9"]).expect("valid");
+    let run = pneudrive_sim::run(&drive, Accuracy::of(&drive)).expect("a transient");
+    let record = recorded_run(&drive, &run).expect("a record");
+    let recordings = [Recording::of("TARGET01.DAT", &record, &file).expect("whole")];
+    let throttles: Vec<Parameter> =
+        usual(&file).into_iter().filter(|one| one.key.path.contains("cushion")).collect();
+    let paths: Vec<&str> = throttles.iter().map(|one| one.key.path).collect();
+    let both = [1, 2].map(|end| format!("actuator.cushion_{end}_conductance_m3_per_s_pa"));
+    assert_eq!(paths, both, "both are fitted unless others are named");
+    let found = identify(&file, &recordings, throttles, Accuracy::of(&file), &mut |_| {}, CancelToken::NEVER)
+        .expect("a fit");
+    let [estimate] = found.estimates.as_slice() else { panic!("{:?}", found.estimates) };
+    let [least, most] = estimate.interval;
+    println!("{}: {least} to {most}", estimate.parameter.key.path);
+    assert_eq!(estimate.parameter.key.path, both[1]);
+    assert!(found.fits && least < 1.3e-9 && 1.3e-9 < most && most - least < 0.2e-9, "{least} to {most}");
+    assert!(found.unidentifiable.iter().any(|unseen| unseen.parameter.key.path == both[0]));
 }
 
 /// In extension, a constant force does what stiction and Coulomb friction do together: the data show their differences,

@@ -82,6 +82,25 @@ fn a_piston_that_nothing_brings_back_is_remarked() {
 }
 
 #[test]
+fn a_move_that_ends_in_a_cushion_is_remarked() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("cushioned.toml");
+    let told = |mm: f64| {
+        let text = format!("[actuator]\ncushion = \"adjustable\"\n[test]\nmoves_mm = [[0.0, {mm:?}]]\n");
+        fs::write(&file, text).expect("written");
+        printed(&pneudrive(&["rig", "check", "--quick", &file.to_string_lossy()]))
+    };
+    let inside = told(290.0);
+    assert!(
+        inside.contains("289.995 mm ends in an end cushion") && inside.contains("a valid rig"),
+        "{inside}"
+    );
+    assert!(inside.contains("from 20.000 to 280.000 mm"), "{inside}");
+    let in_front = told(270.0);
+    assert!(!in_front.contains("cushion, ") && in_front.contains("a valid rig"), "{in_front}");
+}
+
+#[test]
 fn two_rigs_differ_key_by_key() {
     let text = printed(&pneudrive(&["rig", "diff", "servo-b", "servo-b-tuned"]));
     assert!(text.contains("controller.velocity_gain "), "{text}");

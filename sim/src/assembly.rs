@@ -7,11 +7,12 @@
 //!
 //! State, in SI: position and velocity of the load, mass and Exner pressure of both chambers, the pressure ratios of
 //! lagged tubes, position and velocity of the spool, the pressures of lagged sensors, the states of the load's
-//! friction, and mass and Exner pressure of a receiver. The modes tell on which smooth piece of the equations the system is. EQUATIONS section 11 orders the
+//! friction, and mass and Exner pressure of a receiver and of the pocket in front of a cushion's spear. The modes tell on which smooth piece of the equations the system is. EQUATIONS section 11 orders the
 //! changes at one instant.
 
 mod air;
 pub(crate) mod build;
+pub(crate) mod cushion;
 mod disturbed;
 mod following;
 mod lag;
@@ -25,6 +26,7 @@ mod receiver;
 mod sensed;
 mod valve_state;
 
+pub(crate) use cushion::Cushions;
 pub(crate) use lag::Lag;
 pub(crate) use layout::{END_GUARDS, GUARDS, STATES, StateVector, scale_of, slot};
 pub(crate) use load::Effects;
@@ -58,6 +60,8 @@ pub(crate) struct Assembly {
     pub parts: Parts,
     load_contact: Contact,
     load_side: Side,
+    /// The end whose spear is in.
+    spear: Option<usize>,
     restrictions: Restrictions,
     lands: Lands,
     ports: Ports,
@@ -75,6 +79,7 @@ pub(crate) struct Parts {
     /// Speed of the valve's null, m/s (8.4).
     pub null_drift: f64,
     pub actuator: Actuator,
+    pub cushions: Option<Cushions>,
     pub load: Load,
     pub operator: Operator,
     /// Of the supply, or of the line in front of its receiver, when nothing is wrong with it, Pa.
@@ -95,6 +100,7 @@ impl Assembly {
         let mut assembly = Assembly {
             load_contact: parts.friction_at_rest(x).0,
             load_side: parts.load.stops.side(x[slot::POSITION]),
+            spear: parts.cushions.and_then(|own| own.cushion.spear_at(x[slot::POSITION])),
             restrictions: parts.valve.restrictions(&parts.gas),
             lands: Lands::at(&parts.valve, 0.0),
             ports: Ports::new(),
@@ -170,7 +176,7 @@ impl Assembly {
             return 0.0;
         }
         let nodes = self.nodes_found(t, x);
-        let ends = self.ends_at_valve(x, &self.air(x));
+        let ends = self.ends_at_valve(x, &self.at_ports(x));
         let behind = self.parts.network.exner_behind_ports(&nodes, &ends, &self.ports.directions);
         let each = nodes.each();
         let spool = self.spool_to_lands(t, x);
@@ -202,15 +208,29 @@ impl Assembly {
     /// The rates of all but the spool: of load, air and lagged tubes. No command is in them.
     #[inline(always)]
     fn rates_but_spool(&mut self, t: f64, x: &StateVector) -> StateVector {
-        let volumes = self.parts.actuator.both_volumes(x[slot::POSITION], x[slot::VELOCITY]);
+        if self.spear.is_none() { self.rates_with(None, t, x) } else { self.rates_in_cushion(t, x) }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn rates_in_cushion(&mut self, t: f64, x: &StateVector) -> StateVector {
+        self.rates_with(self.spear, t, x)
+    }
+
+    /// The same with a spear that is in, or none.
+    #[inline(always)]
+    fn rates_with(&mut self, spear: Option<usize>, t: f64, x: &StateVector) -> StateVector {
+        let volumes = self.volumes_with(spear, x);
         let air = self.air_in(volumes.volume, x);
-        let nodes = self.nodes_of(t, x, &air);
+        let at_ports = self.air_at_ports(spear, x, &air);
+        let nodes = self.nodes_of(t, x, &at_ports);
         let gas = &self.parts.gas;
         let flows = self.joined(nodes.port_flow());
-        let carried = self.carried(&nodes, &air);
+        let carried = self.carried(&nodes, &at_ports);
+        let entering = self.entering_chambers(spear, x, &air, (flows, carried));
         let leak = self.parts.actuator.leak(gas, &air).entering();
         let holes = self.through_holes(&air);
-        let [mut masses, mut exners] = air.derivative(gas, volumes, [(flows, carried), leak, holes]);
+        let [mut masses, mut exners] = air.derivative(gas, volumes, [entering, leak, holes]);
         if let Some(rate) =
             self.parts.actuator.exner_rate_of_heat(gas, x[slot::POSITION], volumes.volume, &air)
         {
@@ -227,16 +247,21 @@ impl Assembly {
         if self.parts.receiver.is_some() {
             self.fill_receiver(x, &nodes, &mut slope);
         }
-        let force = self.parts.actuator.force(air.pressure.lane(0), air.pressure.lane(1));
+        let [one, two] = self.acting(spear, x, air.pressure.to_array());
+        let force = self.parts.actuator.force(one, two);
         self.follow_pressures(air.pressure.to_array(), x, &mut slope);
         self.move_load(force, x, &mut slope);
         if let Some(lag) = &self.parts.lag {
-            let in_tubes = GasState { temperature: carried, ..air.station() };
+            let in_tubes = GasState { temperature: carried, ..at_ports };
             let returning = self.parts.network.returning_temperature(&nodes);
             let rates = lag.derivative(gas, x, (nodes.supply.reduce_add(), returning), (&in_tubes, flows));
             for (place, rate) in slot::RATIO.into_iter().zip(rates) {
                 slope[place] = rate;
             }
+        }
+        // Last, as its places are those of others.
+        if spear.is_some() {
+            self.fill_pocket(x, (flows, carried), entering, &mut slope);
         }
         slope
     }
@@ -257,7 +282,7 @@ impl System<STATES, GUARDS, END_GUARDS> for Assembly {
     fn guards(&mut self, t: f64, x: &StateVector) -> [f64; GUARDS] {
         let mut guards = [1.0; GUARDS];
         guards[guard::LOAD_FRICTION] = self.friction_guard(x);
-        guards[guard::LOAD_STOPS] = self.parts.load.stops.guard(self.load_side, x[slot::POSITION]);
+        guards[guard::LOAD_STOPS] = self.travel_guard(x[slot::POSITION]);
         if let Some(law) = &self.parts.continuous {
             [guards[guard::PROFILE[0]], guards[guard::PROFILE[1]]] = law.guards(x[slot::POSITION]);
         }
@@ -286,13 +311,14 @@ impl System<STATES, GUARDS, END_GUARDS> for Assembly {
     }
 
     fn n_moving(&self) -> usize {
-        if !self.parts.load.friction.scale().is_empty() {
+        let last = self.parts.cushions.as_ref().map_or(0, |own| own.places[1]);
+        if !self.parts.load.friction.scale().is_empty() || last >= slot::FRICTION[0] {
             STATES
-        } else if self.parts.sensor_lag.is_some() {
+        } else if self.parts.sensor_lag.is_some() || last >= slot::SENSED[0] {
             slot::FRICTION[0]
         } else if !self.parts.operator.has_closed_form() {
             USUAL
-        } else if self.parts.lag.is_some() || self.parts.receiver.is_some() {
+        } else if self.parts.lag.is_some() || self.parts.receiver.is_some() || last > 0 {
             LAGGED
         } else {
             CORE
@@ -325,7 +351,9 @@ impl System<STATES, GUARDS, END_GUARDS> for Assembly {
     }
 
     fn beyond_model(&self, x: &StateVector) -> Option<&'static str> {
-        self.parts.actuator.used_up(x[slot::POSITION]).or_else(|| self.parts.network.jumps())
+        let position = x[slot::POSITION];
+        let of_cushion = || self.parts.cushions.as_ref()?.cushion.used_up(self.spear, position);
+        self.parts.actuator.used_up(position).or_else(of_cushion).or_else(|| self.parts.network.jumps())
     }
 
     fn handle_event(&mut self, event: Event, t: f64, x: &mut StateVector) -> Derivative {

@@ -1,5 +1,6 @@
 //! The keys of a rig file by the file that declares them: `keys::load::MASS_KG`.
 
+pub use crate::component::actuator::cushion::keys as cushion;
 pub use crate::component::actuator::keys as actuator;
 pub use crate::component::actuator::leakage::keys as leakage;
 pub use crate::component::actuator::spring::keys as return_spring;

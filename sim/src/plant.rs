@@ -323,7 +323,13 @@ impl Plant {
     /// The measurable quantities at `t`, to which the plant has come.
     pub(crate) fn snapshot(&mut self, t: f64) -> Snapshot {
         let t = self.plant_time(t);
-        let [one, two] = slot::MASS.map(|mass| self.integrator.derivative_of(mass, t));
+        let mut rates = slot::MASS.map(|mass| self.integrator.derivative_of(mass, t));
+        if let Some((end, mass)) = self.assembly.pocket_mass() {
+            // The port is that of the pocket.
+            let of_pocket = self.integrator.derivative_of(mass, t);
+            rates[end] = rates[end].zip(of_pocket).map(|(chamber, pocket)| chamber + pocket);
+        }
+        let [one, two] = rates;
         let x = self.integrator.state(t);
         self.assembly.follow(x);
         let Effects { air, actuator_force, friction_force, acceleration } = self.assembly.effects(x);

@@ -11,6 +11,7 @@ mod closed_loop;
 mod conservation;
 mod controller_start;
 mod converged;
+mod cushions;
 mod drawn;
 mod drift;
 mod encoders;

@@ -123,6 +123,15 @@ const VARIANTS: &[(&str, &[&str])] = &[
             "test.receiver_pressure_pa=650e3",
         ],
     ),
+    (
+        "servo-b-tuned",
+        &[
+            "actuator.cushion=adjustable",
+            "actuator.cushion_2_length_m=0.15",
+            "actuator.cushion_spear_diameter_m=0.03",
+            "test.position_m=0.2",
+        ],
+    ),
 ];
 
 /// Tests, one of which makes a key count, as settings: that of the file; on a profile; to and fro in closed and in open loop;

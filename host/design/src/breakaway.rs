@@ -12,6 +12,7 @@
 //! leaves room for friction that is more, and a valve that is less, than the file says.
 
 use pneudrive_sim::component::actuator::Actuator;
+use pneudrive_sim::component::actuator::cushion::has_cushions;
 use pneudrive_sim::component::gas::Gas;
 use pneudrive_sim::component::load::Load;
 use pneudrive_sim::component::supply::SupplyKind;
@@ -69,7 +70,7 @@ impl Drive {
         });
         let [Some(filling), Some(venting)] = paths else { return None };
         // Their throttles are not in the conductance of the valve, and a receiver does not hold the pressure.
-        if has_flow_controls(rig) || rig.get(&keys::supply::MODEL) != SupplyKind::Ideal {
+        if has_flow_controls(rig) || has_cushions(rig) || rig.get(&keys::supply::MODEL) != SupplyKind::Ideal {
             return None;
         }
         Some(Drive {

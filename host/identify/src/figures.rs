@@ -17,10 +17,11 @@
 //! the force goes on rising. Such a record does not show the stiction.
 
 use std::collections::BTreeMap;
+use std::ops::RangeInclusive;
 
 use nalgebra::{DMatrix, DVector};
 use pneudrive_sim::Rig;
-use pneudrive_sim::component::actuator::Actuator;
+use pneudrive_sim::component::actuator::{Actuator, cushion};
 use pneudrive_sim::component::load::{self, Load};
 use pneudrive_sim::keys;
 
@@ -87,6 +88,8 @@ struct Instant {
 struct Forces {
     actuator: Actuator,
     load: Load,
+    /// Positions in front of the cushions, m.
+    known: RangeInclusive<f64>,
 }
 
 impl Figures {
@@ -199,7 +202,8 @@ impl Figures {
 
 impl Forces {
     fn of(rig: &Rig) -> Forces {
-        Forces { actuator: Actuator::of(rig), load: Load::of(rig) }
+        let [low, high] = cushion::between(rig);
+        Forces { actuator: Actuator::of(rig), load: Load::of(rig), known: low..=high }
     }
 
     /// What gravity takes from the acceleration of an extending load, m/s^2.
@@ -211,6 +215,12 @@ impl Forces {
     fn weight(&self, found: Option<Figure>) -> Figure {
         let mass = found.unwrap_or(Figure { value: self.load.mass, error: 0.0 });
         Figure { value: mass.value * self.uphill(), error: mass.error * self.uphill().abs() }
+    }
+
+    /// Whether the sensors tell of the air that pushes: they do not where the spear of a cushion is in.
+    fn are_known(&self, recording: &Recording, k: usize) -> bool {
+        let position = &recording.channels[0];
+        self.known.contains(&(position.offset + position.measured[k] * position.scale))
     }
 
     /// All forces on the load at a sample but its weight and its friction, N.
@@ -251,7 +261,7 @@ fn instants(forces: &Forces, recording: &Recording) -> Vec<Instant> {
             force: sum / weights,
         }
     };
-    (HALF_WIDTH..last).filter(|&k| moves(k)).map(at).collect()
+    (HALF_WIDTH..last).filter(|&k| moves(k) && forces.are_known(recording, k)).map(at).collect()
 }
 
 /// A load that leaves its rest.
@@ -277,7 +287,7 @@ fn breakaways(forces: &Forces, weight: Figure, recording: &Recording) -> Vec<Bre
         }
         // It was at rest until the last sample with the count of the rest.
         let until = (rest..k).rev().find(|&i| counts[i] == counts[rest]).unwrap_or(rest);
-        if until - rest >= REST {
+        if until - rest >= REST && forces.are_known(recording, until) {
             let direction = left.signum();
             let [before, at] = [until - 1, until].map(|i| direction * force(i));
             let rise = (at - before).abs();

@@ -57,7 +57,7 @@ export class Picture {
       operator: text('operator.model'),
       valve: text('valve.model'),
       tubing: text('tubing.model'),
-      cylinder: `${round(1e3 * number('actuator.bore_m'))} mm bore, ${round(this.#rig.stroke)} mm stroke`,
+      cylinder: `${round(1e3 * number('actuator.bore_m'))} mm bore, ${round(this.#rig.stroke)} mm stroke${cushioned(text('actuator.cushion'))}`,
       load: `${round(number('load.mass_kg'))} kg`,
       supply: `${round(this.#rig.supply)} kPa${receiver(text('supply.model'), number('supply.receiver_volume_m3'))}`,
       exhaust: `exhaust ${round(this.#rig.exhaust)} kPa`,
@@ -313,6 +313,11 @@ function round(number) {
 
 /** The colour of air of unknown pressure. */
 const NOT_KNOWN = '#c8ced6';
+
+/** What the ends of the cylinder have. */
+function cushioned(cushion) {
+  return cushion === 'adjustable' ? ', cushioned' : '';
+}
 
 /** What is between the supply and the valve, by its volume in m3. */
 function receiver(model, volume) {

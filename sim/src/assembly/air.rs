@@ -23,7 +23,7 @@ impl Assembly {
 
     /// The air in both chambers.
     pub(super) fn air(&self, x: &StateVector) -> ChamberAir<Pair> {
-        self.air_in(self.parts.actuator.both_volumes(x[slot::POSITION], x[slot::VELOCITY]).volume, x)
+        self.air_in(self.volumes(x).volume, x)
     }
 
     /// The same in volumes of m^3.
@@ -35,14 +35,14 @@ impl Assembly {
 
     /// The flows at a state; solved once for each.
     pub(super) fn nodes(&mut self, t: f64, x: &StateVector) -> Nodes {
-        self.nodes_of(t, x, &self.air(x))
+        self.nodes_of(t, x, &self.at_ports(x))
     }
 
-    /// The same for the air of a state.
-    pub(super) fn nodes_of(&mut self, t: f64, x: &StateVector, air: &ChamberAir<Pair>) -> Nodes {
+    /// The same for the air at the ports in that state.
+    pub(super) fn nodes_of(&mut self, t: f64, x: &StateVector, at_ports: &GasState<Pair>) -> Nodes {
         match &self.solved {
             Some((at, solved, nodes)) if *at == t && solved == x => *nodes,
-            _ => self.solve(t, x, air),
+            _ => self.solve(t, x, at_ports),
         }
     }
 
@@ -58,7 +58,7 @@ impl Assembly {
     }
 
     #[inline(always)]
-    fn solve(&mut self, t: f64, x: &StateVector, air: &ChamberAir<Pair>) -> Nodes {
+    fn solve(&mut self, t: f64, x: &StateVector, at_ports: &GasState<Pair>) -> Nodes {
         let openings = self.parts.valve.openings(self.spool_to_lands(t, x));
         let mut conductances = self.restrictions.at(openings, self.lands.open);
         if let Some(port) = self.plugged_port() {
@@ -67,7 +67,7 @@ impl Assembly {
         if self.parts.valve.laws_follow_spool() {
             self.follow_map(t, x);
         }
-        let stations = self.ends_at_valve(x, air);
+        let stations = self.ends_at_valve(x, at_ports);
         if let Some(lag) = self.parts.lag.as_ref().filter(|lag| lag.recovery > 0.0) {
             let width = self.parts.valve.widest_supply_land(openings);
             self.parts.network.let_supply_follow(lag.supply, lag.supply_tube, lag.at_once(width));
@@ -87,14 +87,14 @@ impl Assembly {
         }
     }
 
-    /// The known ends of the network, one per port: the chambers, or the pressures behind lagged tubes; the supply
+    /// The known ends of the network, one per port: the air at the ports, or the pressures behind lagged tubes; the supply
     /// likewise.
     #[inline(always)]
-    pub(super) fn ends_at_valve(&mut self, x: &StateVector, air: &ChamberAir<Pair>) -> GasState<Pair> {
+    pub(super) fn ends_at_valve(&mut self, x: &StateVector, at_ports: &GasState<Pair>) -> GasState<Pair> {
         if self.parts.receiver.is_some() {
             self.draw_from_receiver(x);
         }
-        let mut stations = air.station();
+        let mut stations = *at_ports;
         if let Some(lag) = &self.parts.lag {
             let [supply, one, two] = slot::RATIO.map(|i| x[i]);
             let exner = lag.supply.exner * self.parts.gas.exner_ratio(supply);
@@ -150,9 +150,9 @@ impl Assembly {
     /// The temperatures of the air in the tubes into or out of the chambers. While charging it is the temperature of
     /// the air from the valve (the tube is adiabatic, EQUATIONS section 3), else the chamber's.
     #[inline(always)]
-    pub(super) fn carried(&self, nodes: &Nodes, air: &ChamberAir<Pair>) -> Pair {
+    pub(super) fn carried(&self, nodes: &Nodes, at_ports: &GasState<Pair>) -> Pair {
         let charging = PortFlow::charging(&self.ports.directions);
-        self.joined(Pair::choose(charging, nodes.carried, self.joined(air.temperature)))
+        self.joined(Pair::choose(charging, nodes.carried, self.joined(at_ports.temperature)))
     }
 
     /// The flows into the chambers through holes, and the temperatures that they carry.

@@ -1,6 +1,6 @@
 //! The drive of a rig: its components, and the state in which its test begins.
 
-use super::{Lag, Parts, STATES, StateVector, slot};
+use super::{Cushions, Lag, Parts, STATES, StateVector, slot};
 use crate::component::actuator::Actuator;
 use crate::component::air::ChamberAir;
 use crate::component::faults::Schedule;
@@ -13,6 +13,7 @@ use crate::component::valve::flow_force::FlowForce;
 use crate::continuous::ContinuousLaw;
 use crate::keys;
 use crate::network::Network;
+use crate::number::Number;
 use crate::start::{Start, receiver_pressure};
 use crate::values::Rig;
 
@@ -21,11 +22,13 @@ pub(crate) fn drive(rig: &Rig) -> (Parts, StateVector) {
     let gas = Gas::of(rig);
     let actuator = Actuator::of(rig);
     let mut x = initial_state(rig, &gas, &actuator);
+    let cushions = Cushions::of(rig, [actuator.area_1, actuator.area_2], actuator.residual_volumes);
     let parts = Parts {
         gas,
         valve: Valve::of(rig),
         null_drift: rig.get(&keys::valve::NULL_DRIFT_MM_PER_H) * 1e-3 / 3600.0,
         actuator,
+        cushions,
         load: Load::of(rig),
         operator: Operator::of(rig),
         supply_pressure: rig.get(&keys::supply::PRESSURE_PA),
@@ -43,6 +46,13 @@ pub(crate) fn drive(rig: &Rig) -> (Parts, StateVector) {
     }
     for (place, state) in slot::FRICTION.into_iter().zip(parts.friction_at_rest(&x).1) {
         x[place] = state;
+    }
+    if let Some(cushions) = cushions {
+        let volumes = parts.actuator.both_volumes(x[slot::POSITION], 0.0).volume;
+        match cushions.cushion.spear_at(x[slot::POSITION]) {
+            Some(end) => cushions.divide(end, volumes.lane(end), &mut x),
+            None => cushions.places.into_iter().for_each(|place| x[place] = 0.0),
+        }
     }
     (parts, x)
 }

@@ -54,7 +54,7 @@ impl Assembly {
     fn demand_rate(&mut self, t: f64, x: &StateVector) -> Option<f64> {
         self.parts.continuous.as_ref()?;
         let slope = self.rates_but_spool(t, x);
-        let [p1, p2] = slot::EXNER.map(|i| self.parts.gas.pressure_rate(x[i], slope[i]));
+        let [p1, p2] = self.acting_rates(x, &slope);
         let motion = Motion {
             position: x[slot::POSITION],
             velocity: x[slot::VELOCITY],

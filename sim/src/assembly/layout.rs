@@ -64,7 +64,7 @@ pub(crate) mod guard {
         COUNT at 0;
         /// Stiction of the load.
         LOAD_FRICTION,
-        /// Stops of the load.
+        /// Stops of the load, and spears of its cushions.
         LOAD_STOPS,
         /// The farther and the nearer end of the entry of the gain profile.
         PROFILE: 2,
@@ -112,7 +112,7 @@ const SCALE: StateVector = {
     scale
 };
 
-/// The same, with the scales of a load's friction states, and of a receiver's mass.
+/// The same, with the scales of a load's friction states, and of the air in a receiver and in a pocket.
 pub(crate) fn scale_of(parts: &Parts) -> StateVector {
     let mut scale = SCALE;
     for (place, large) in slot::FRICTION.into_iter().zip(parts.load.friction.scale()) {
@@ -120,6 +120,9 @@ pub(crate) fn scale_of(parts: &Parts) -> StateVector {
     }
     if parts.receiver.is_some() {
         scale[slot::RECEIVER[0]] = scale[slot::MASS[0]];
+    }
+    if let Some([mass, exner]) = parts.cushions.map(|own| own.places) {
+        (scale[mass], scale[exner]) = (scale[slot::MASS[0]], scale[slot::EXNER[0]]);
     }
     scale
 }

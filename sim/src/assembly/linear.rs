@@ -28,6 +28,11 @@ pub enum NotLinear {
         "there is no linear model of a spool that is stuck, or of an on-off valve, which has nothing between its three places"
     )]
     NoSpoolLaw,
+    /// The spear of a cushion is in.
+    #[error(
+        "the load is in an end cushion, whose air is no state of the linear model: take it in front of the cushion, or with actuator.cushion = \"none\""
+    )]
+    InCushion,
     /// A slope is not a number.
     #[error("the equations have no slopes here: they are not numbers")]
     NoSlopes,
@@ -139,7 +144,7 @@ impl Assembly {
     /// The drive about its state `x` at `t`, under a command in counts.
     ///
     /// # Errors
-    /// Where a command acts on nothing, or the equations have no slopes.
+    /// Where a command acts on nothing, a spear is in, or the equations have no slopes.
     pub fn linearise(&self, t: f64, x: &StateVector, command: f64) -> Result<LinearModel, NotLinear> {
         let mut equations = Equations::about(self.clone(), t, x)?;
         let n = equations.states.len();
@@ -196,6 +201,9 @@ fn extrapolated(step: f64, mut of: impl FnMut(f64) -> Vec<f64>) -> Vec<f64> {
 impl Equations {
     fn about(mut assembly: Assembly, t: f64, x: &StateVector) -> Result<Equations, NotLinear> {
         let spool_law = assembly.parts.operator.spool_law().ok_or(NotLinear::NoSpoolLaw)?;
+        if assembly.is_cushioned() {
+            return Err(NotLinear::InCushion);
+        }
         let mut point = *x;
         (point[slot::SPOOL], point[slot::SPOOL_VELOCITY]) =
             (assembly.spool(t, x), assembly.spool_state_at(t, x).velocity);

@@ -4,7 +4,7 @@ use super::layout::{friction_states, guard};
 use super::{Assembly, Parts, StateVector, slot};
 use crate::component::air::ChamberAir;
 use crate::component::friction::{Body, Contact, FrictionModel, States};
-use crate::number::{Number, Pair};
+use crate::number::Pair;
 
 /// Quantities that depend only on the state.
 #[derive(Clone, Copy, Debug)]
@@ -29,7 +29,7 @@ impl Parts {
 impl Assembly {
     /// The load under the air of a state.
     pub(super) fn body(&self, x: &StateVector) -> Body {
-        let [p1, p2] = slot::EXNER.map(|i| self.parts.gas.pressure(x[i]));
+        let [p1, p2] = self.acting(self.spear, x, slot::EXNER.map(|i| self.parts.gas.pressure(x[i])));
         self.body_under(self.parts.actuator.force(p1, p2), x)
     }
 
@@ -55,7 +55,8 @@ impl Assembly {
     /// Quantities that depend only on the state.
     pub fn effects(&self, x: &StateVector) -> Effects {
         let air = self.air(x);
-        let actuator_force = self.parts.actuator.force(air.pressure.lane(0), air.pressure.lane(1));
+        let [one, two] = self.acting(self.spear, x, air.pressure.to_array());
+        let actuator_force = self.parts.actuator.force(one, two);
         let body = self.body_under(actuator_force, x);
         Effects {
             air,
@@ -87,6 +88,7 @@ impl Assembly {
                 let applied = self.body(x).applied;
                 self.load_contact = self.parts.load.friction.after(self.load_contact, applied);
             }
+            guard::LOAD_STOPS if self.meets_spear(x[slot::POSITION]) => self.move_spear(t, x),
             guard::LOAD_STOPS => {
                 self.load_side = self.parts.load.stops.after(self.load_side, x[slot::POSITION])
             }

@@ -4,7 +4,8 @@
 //! P_s' = (P - P_s) / lag,   P_s = P at the start
 //! ```
 //!
-//! P is the pressure in the chamber, and P_s the input of the converter. Without a lag P_s is P, and its states rest.
+//! P is the pressure at the port of the chamber, and P_s the input of the converter. That is the pressure in the chamber, but where the
+//! spear of a cushion is in, that in front of it. Without a lag P_s is P, and its states rest.
 
 use super::{Assembly, StateVector, slot};
 use crate::number::Pair;
@@ -15,7 +16,7 @@ impl Assembly {
     pub fn sensed_pressures(&self, x: &StateVector) -> [f64; 2] {
         match self.parts.sensor_lag {
             Some(_) => slot::SENSED.map(|i| x[i]),
-            None => self.pressures(x),
+            None => self.at_sensors(x, self.pressures(x)),
         }
     }
 
@@ -30,7 +31,7 @@ impl Assembly {
     #[inline(always)]
     pub(super) fn follow_pressures(&self, pressures: [f64; 2], x: &StateVector, slope: &mut StateVector) {
         if let Some(lag) = self.parts.sensor_lag {
-            for (place, pressure) in slot::SENSED.into_iter().zip(pressures) {
+            for (place, pressure) in slot::SENSED.into_iter().zip(self.at_sensors(x, pressures)) {
                 slope[place] = (pressure - x[place]) / lag;
             }
         }

@@ -27,8 +27,8 @@ impl Assembly {
     pub fn valve_state(&mut self, t: f64, x: &StateVector) -> ValveState {
         let left = (self.parts.network.clone(), self.solved);
         let nodes = self.nodes_for_a_row(t, x);
-        let air = self.air(x);
-        let ends = self.ends_at_valve(x, &air);
+        let at_ports = self.at_ports(x);
+        let ends = self.ends_at_valve(x, &at_ports);
         let network = &self.parts.network;
         let pressure = |exner| self.parts.gas.pressure(exner);
         let ports = network.exner_behind_ports(&nodes, &ends, &self.ports.directions);

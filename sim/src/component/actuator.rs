@@ -14,6 +14,7 @@
 //! as printed they lose mass with leakage (EQUATIONS section 5). A vented chamber has constant pressure and temperature instead
 //! ([`crate::component::actuator::vent`]).
 
+pub mod cushion;
 pub mod leakage;
 pub mod spring;
 pub mod vent;
@@ -84,6 +85,7 @@ impl Actuator {
 pub(crate) fn check(rig: &Rig, findings: &mut Findings) {
     let why = "the rod must leave an area for the air to push on";
     findings.below(rig, &keys::ROD_DIAMETER_M, &keys::BORE_M, why);
+    cushion::check(rig, findings);
 }
 
 /// The dimensions of a cylinder, SI.

@@ -11,7 +11,9 @@ use super::lagging;
 use super::parameters::cascade;
 use super::problem::{Problem, Problems};
 use super::table::find_key;
+use crate::assembly::cushion;
 use crate::component::actuator::Actuator;
+use crate::component::actuator::cushion::{Cushion, has_cushions};
 use crate::component::controller::{ControllerKind, Law, Loop};
 use crate::component::load::Load;
 use crate::component::tubing::speed_outweighs_supply_tube;
@@ -64,6 +66,7 @@ fn check(rig: &Rig, findings: &mut Findings) {
         cascade::check,
         schedule::check,
         start::check,
+        cushion::check,
         faults::check,
         gain_bug::check,
     ] {
@@ -164,12 +167,13 @@ fn check_flow(rig: &Rig, findings: &mut Findings) {
 /// the speed that it arrives at.
 fn check_dead_volumes(rig: &Rig, findings: &mut Findings) {
     let volumes = [&keys::actuator::RESIDUAL_VOLUME_1_M3, &keys::actuator::RESIDUAL_VOLUME_2_M3];
+    let behind = if has_cushions(rig) { " (of what a spear shuts off, with a cushion)" } else { "" };
     for (key, part) in volumes.into_iter().zip(dead_volume_taken_up(rig)) {
         if part > MAX_TAKEN_UP {
             findings.note(
                 key,
                 format!(
-                    "the piston pressed into its stop at the highest pressure takes up {part:.2} of it, more than {MAX_TAKEN_UP}: give more volume or a larger load.stop_stiffness_n_per_m"
+                    "the piston pressed into its stop at the highest pressure takes up {part:.2} of it{behind}, more than {MAX_TAKEN_UP}: give more volume or a larger load.stop_stiffness_n_per_m"
                 ),
             );
         }
@@ -188,7 +192,10 @@ fn dead_volume_taken_up(rig: &Rig) -> [f64; 2] {
     let pushes =
         [two * actuator.area_2 + outside - standing[0], one * actuator.area_1 + standing[1] - outside];
     let areas = [actuator.area_1, actuator.area_2];
+    let cushion = Cushion::of(rig, areas, actuator.residual_volumes);
     std::array::from_fn(|i| {
-        areas[i] * pushes[i].max(0.0) / load.stops.stiffness / actuator.residual_volumes[i]
+        let way = pushes[i].max(0.0) / load.stops.stiffness;
+        let whole = areas[i] * way / actuator.residual_volumes[i];
+        cushion.and_then(|own| own.taken_up(i, way)).map_or(whole, |behind_spear| behind_spear.max(whole))
     })
 }

@@ -26,7 +26,7 @@ static BEFORE_VALVE: &[&[&Key]] = &[
 #[rustfmt::skip]
 static BEFORE_FRICTION: &[&[&Key]] = &[
     crate::keys::tubing::ALL,
-    crate::keys::actuator::ALL, crate::keys::leakage::ALL, crate::keys::walls::ALL, crate::keys::vent::ALL, crate::keys::return_spring::ALL,
+    crate::keys::actuator::ALL, crate::keys::leakage::ALL, crate::keys::walls::ALL, crate::keys::vent::ALL, crate::keys::return_spring::ALL, crate::keys::cushion::ALL,
     crate::keys::load::ALL,
 ];
 

@@ -78,6 +78,21 @@ fn friction_and_mass_are_read_off_records_of_level_inclined_and_vertical_axes() 
     }
 }
 
+/// The sensors do not tell of the air behind a spear.
+#[test]
+fn what_happens_in_a_cushion_is_left_out_of_friction_and_mass() {
+    let cushioned = [
+        "actuator.cushion=adjustable",
+        "actuator.cushion_1_length_m=0.1",
+        "actuator.cushion_2_length_m=0.15",
+    ];
+    let figures = figures(&own(&cushioned));
+    assert_near("mass", figures.mass, 8.0, 0.03);
+    for (i, coulomb) in [30.0, 25.0].into_iter().enumerate() {
+        assert_near("dry friction", figures.coulomb[i], coulomb, 0.1);
+    }
+}
+
 #[test]
 fn a_cylinder_with_a_rod_on_both_sides_pushes_with_what_the_rods_leave() {
     let figures = figures(&own(&["actuator.model=symmetric"]));

@@ -560,6 +560,33 @@ class Actuator(Table):
     @property
     def return_spring_stiffness_n_per_m(self) -> float:
         """Stiffness of the return spring; a round number, not of a real cylinder, N/m."""
+    @property
+    def cushion(self) -> str:
+        """End cushions: a spear shuts the bore to the port near the end of the stroke, so that the air there leaves by a throttle."""
+    @property
+    def cushion_1_length_m(self) -> float:
+        """Length of the cushion at the retracted end, 0 for none; the default is that of a rodless cylinder of 32 mm bore, m."""
+    @property
+    def cushion_2_length_m(self) -> float:
+        """The same at the extended end, m."""
+    @property
+    def cushion_1_conductance_m3_per_s_pa(self) -> float:
+        """Sonic conductance of the throttle at the retracted end (ISO 6358), 0 where it is shut; a round number, as the needle may stand anywhere, m3/(s Pa)."""
+    @property
+    def cushion_2_conductance_m3_per_s_pa(self) -> float:
+        """The same at the extended end, m3/(s Pa)."""
+    @property
+    def cushion_check_conductance_m3_per_s_pa(self) -> float:
+        """Sonic conductance of the check valves, through which air comes back into a chamber whose spear is in; a round number, as sheets have none, m3/(s Pa)."""
+    @property
+    def cushion_critical_ratio(self) -> float:
+        """Critical pressure ratio of throttles and check valves (ISO 6358)."""
+    @property
+    def cushion_spear_diameter_m(self) -> float:
+        """Outer diameter of the spears, also of one that is a sleeve on the rod; 0 leaves their area out, m."""
+    @property
+    def cushion_dead_volume_percent(self) -> float:
+        """Part of the dead volume that is behind the spear; the rest is that of its bore, port and tube, %."""
 
 class Load(Table):
     @property
@@ -932,6 +959,15 @@ class RigKeys(TypedDict, total=False):
     actuator__return_spring: str
     actuator__return_spring_preload_n: float
     actuator__return_spring_stiffness_n_per_m: float
+    actuator__cushion: str
+    actuator__cushion_1_length_m: float
+    actuator__cushion_2_length_m: float
+    actuator__cushion_1_conductance_m3_per_s_pa: float
+    actuator__cushion_2_conductance_m3_per_s_pa: float
+    actuator__cushion_check_conductance_m3_per_s_pa: float
+    actuator__cushion_critical_ratio: float
+    actuator__cushion_spear_diameter_m: float
+    actuator__cushion_dead_volume_percent: float
     load__model: str
     load__mass_kg: float
     load__viscous_n_s_per_m: float
@@ -1060,6 +1096,9 @@ class RigKeys(TypedDict, total=False):
     actuator__wall_temperature: str
     actuator__return_spring_preload: str
     actuator__return_spring_stiffness: str
+    actuator__cushion_1_length: str
+    actuator__cushion_2_length: str
+    actuator__cushion_spear_diameter: str
     load__mass: str
     load__viscous: str
     load__constant_force: str

@@ -8,6 +8,7 @@ use pneudrive_design::values;
 use pneudrive_optimise::runnable::{Obstacle, Remedy, obstacle};
 use pneudrive_optimise::sensitivity::{Effect, Sensitivity, sensitivity};
 use pneudrive_records::words;
+use pneudrive_sim::component::actuator::cushion::between;
 use pneudrive_sim::component::controller::{Law, Loop};
 use pneudrive_sim::component::encoder::mm_per_count;
 use pneudrive_sim::component::load::returning::Return;
@@ -32,7 +33,8 @@ pub(super) fn execute(file: &str, quick: bool) -> Result<()> {
     if is_to_run {
         try_test(file, &rig)?;
     }
-    let remarks = return_remark(&rig).into_iter().chain(stall_remarks(&rig)).chain(unwatched_remarks(&rig));
+    let remarks = return_remark(&rig).into_iter().chain(cushion_remark(&rig)).chain(stall_remarks(&rig));
+    let remarks = remarks.chain(unwatched_remarks(&rig));
     remarks.for_each(|remark| say!("{file}: {remark}"));
     say!("{file}: a valid rig ({})", rig.name());
     say!("{file}: {}", moves(&rig));
@@ -81,6 +83,24 @@ fn return_remark(rig: &Rig) -> Option<String> {
     Some(format!(
         "its piston does not come back from everywhere: air moves it one way only (actuator.vented), the least force that pushes it back is {:.0} N, and its friction holds {friction:.0} N; actuator.return_spring, load.spring_n_per_m or load.incline_deg can push more",
         least + 0.0
+    ))
+}
+
+/// That a move ends where the throttle of a cushion has a say.
+fn cushion_remark(rig: &Rig) -> Option<String> {
+    let [low, high] = between(rig).map(|m| 1e3 * m);
+    let within = |mm: &f64| *mm < low || *mm > high;
+    let inside = places(rig).iter().filter_map(|one| one["to_mm"].as_f64()).find(within)?;
+    let of_law = match rig.get(&keys::controller::LAW) {
+        Law::Cascade => {
+            "; the law \"cascade\" takes the flow of the valve for that of the chamber, and mostly ends outside its tolerance there, or trips (docs/howto/own-drive.md)"
+        }
+        _ => "",
+    };
+    Some(format!(
+        "a move to {inside:.3} mm ends in an end cushion, whose throttle slows the load and which no law knows{of_law}; positions from {:.3} to {:.3} mm are in front of the cushions",
+        low.max(0.0),
+        high.min(1e3 * rig.get(&keys::actuator::STROKE_M))
     ))
 }
 

@@ -7,7 +7,6 @@
 //!
 //! mdot_f =  C rho_0 P_l sqrt(T_0/T_l) phi(P/P_l)               P < P_l, T_f = T_l           ISO 6358-1, m = 0.5
 //! mdot_f = -C rho_0 P   sqrt(T_0/T)   phi(P_l/P)               P > P_l, T_f = T; 0 with a check valve
-//! phi(r) = phi_1 u (a + (1 - a) u),  u = (1 - r)/0.001         r > 0.999
 //! ```
 //!
 //! Air has the temperature of where it comes from: T_s is that of the receiver, or of a node that gives air back. P_l and T_l are
@@ -15,9 +14,8 @@
 //! energy of receiver and chambers change by what line, exhaust, walls and piston exchange with them, and by nothing else; but
 //! with `valve.upstream_mach` the air that approaches a land is warmer than that (6.54), and the mass alone is in balance.
 //!
-//! Near P = P_l the ellipse of ISO 6358 has an infinite slope over P, so that the receiver would be full within a finite time and
-//! its flow would not be defined by what is missing. From a difference of a thousandth on phi goes to 0 in proportion, with the value
-//! phi_1 and the slope of the ellipse where they meet. Other programs do likewise (Simscape: linear from 0.999 or 0.995 on).
+//! Near P = P_l the ellipse of ISO 6358 has an infinite slope, so phi goes to 0 in proportion there
+//! ([`crate::component::valve::iso6358`]).
 //!
 //! A receiver has plain ports when it is bought. The check valve in front of it, which keeps its pressure while the line loses its own,
 //! is a part of its own, opens at once, and its loss is in C and b.
@@ -28,7 +26,7 @@ use crate::component::air::{ChamberAir, Volume};
 use crate::component::exhaust;
 use crate::component::gas::Gas;
 use crate::component::supply::{self, SupplyKind, keys::MODEL};
-use crate::component::valve::iso6358::{Iso6358, REFERENCE_DENSITY, REFERENCE_TEMPERATURE};
+use crate::component::valve::iso6358::Opening;
 use crate::key::keys;
 use crate::values::Rig;
 
@@ -118,9 +116,6 @@ fn wall_area(volume: f64) -> f64 {
     2.5 * PI * diameter * diameter
 }
 
-/// r from which on phi goes to 0 in proportion.
-const NEARLY_FULL: f64 = 0.999;
-
 /// The line and the opening behind it.
 #[derive(Clone, Copy, Debug)]
 struct Feed {
@@ -128,11 +123,7 @@ struct Feed {
     line_pressure: f64,
     /// T_l, K.
     line_temperature: f64,
-    /// C rho_0 sqrt(T_0), kg sqrt(K)/(s Pa).
-    choked: f64,
-    opening: Iso6358,
-    /// phi_1 and a.
-    nearly_full: [f64; 2],
+    opening: Opening,
     check_valve: bool,
 }
 
@@ -153,16 +144,10 @@ impl Feed {
         critical_ratio: f64,
         check_valve: bool,
     ) -> Feed {
-        let opening = Iso6358 { sonic_conductance: conductance, critical_ratio, subsonic_index: 0.5 };
-        let (square, slope) = opening.ellipse(NEARLY_FULL);
-        // phi = sqrt(square), and d ln phi/d ln u = 2 - a at u = 1.
-        let per_u = -0.5 * slope / square * (1.0 - NEARLY_FULL);
         Feed {
             line_pressure: pressure,
             line_temperature: temperature,
-            choked: conductance * REFERENCE_DENSITY * REFERENCE_TEMPERATURE.sqrt(),
-            opening,
-            nearly_full: [square.sqrt(), 2.0 - per_u],
+            opening: Opening::new(conductance, critical_ratio),
             check_valve,
         }
     }
@@ -171,25 +156,12 @@ impl Feed {
     fn flow(&self, air: &ChamberAir) -> (f64, f64) {
         let (line, own) = (self.line_pressure, air.pressure);
         if own <= line {
-            let flow = self.choked * line / self.line_temperature.sqrt() * self.share(own / line);
-            (flow, self.line_temperature)
+            (self.opening.flow((line, self.line_temperature), own), self.line_temperature)
         } else if self.check_valve {
             (0.0, air.temperature)
         } else {
-            (-self.choked * own / air.temperature.sqrt() * self.share(line / own), air.temperature)
+            (-self.opening.flow((own, air.temperature), line), air.temperature)
         }
-    }
-
-    /// phi.
-    fn share(&self, ratio: f64) -> f64 {
-        if ratio <= self.opening.critical_ratio {
-            return 1.0;
-        }
-        if ratio <= NEARLY_FULL {
-            return self.opening.ellipse(ratio).0.sqrt();
-        }
-        let (u, [level, bend]) = ((1.0 - ratio) / (1.0 - NEARLY_FULL), self.nearly_full);
-        level * u * (bend + (1.0 - bend) * u)
     }
 }
 

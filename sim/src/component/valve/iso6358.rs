@@ -106,6 +106,59 @@ impl Iso6358 {
     }
 }
 
+/// r from which on the flow of an [`Opening`] goes to 0 in proportion.
+pub(crate) const NEARLY_FULL: f64 = 0.999;
+
+/// An opening between two vessels. Near r = 1 the ellipse of ISO 6358 has an infinite slope over r, so that two vessels would come to
+/// the same pressure within a finite time and the flow would not be defined by what is missing:
+///
+/// ```text
+/// phi(r) = phi_1 u (a + (1 - a) u),  u = (1 - r)/0.001         r > 0.999
+/// ```
+///
+/// with the value phi_1 and the slope of the ellipse where they meet. Other programs do likewise (Simscape: linear from 0.999 or
+/// 0.995 on).
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Opening {
+    /// C rho_0 sqrt(T_0), kg sqrt(K)/(s Pa).
+    pub choked: f64,
+    pub ellipse: Iso6358,
+    /// phi_1 and a.
+    pub nearly_full: [f64; 2],
+}
+
+impl Opening {
+    /// From C (m^3/(s Pa)) and b.
+    pub fn new(sonic_conductance: f64, critical_ratio: f64) -> Opening {
+        let ellipse = Iso6358 { sonic_conductance, critical_ratio, subsonic_index: ELLIPSE };
+        let (square, slope) = ellipse.ellipse(NEARLY_FULL);
+        // phi = sqrt(square), and d ln phi/d ln u = 2 - a at u = 1.
+        let per_u = -0.5 * slope / square * (1.0 - NEARLY_FULL);
+        Opening {
+            choked: sonic_conductance * REFERENCE_DENSITY * REFERENCE_TEMPERATURE.sqrt(),
+            ellipse,
+            nearly_full: [square.sqrt(), 2.0 - per_u],
+        }
+    }
+
+    /// kg/s from air of a pressure (Pa) and a temperature (K) to a pressure that is not higher.
+    pub fn flow(&self, (pressure_up, temperature_up): (f64, f64), pressure_down: f64) -> f64 {
+        self.choked * pressure_up / temperature_up.sqrt() * self.share(pressure_down / pressure_up)
+    }
+
+    /// phi.
+    pub fn share(&self, ratio: f64) -> f64 {
+        if ratio <= self.ellipse.critical_ratio {
+            return 1.0;
+        }
+        if ratio <= NEARLY_FULL {
+            return self.ellipse.ellipse(ratio).0.sqrt();
+        }
+        let (u, [level, bend]) = ((1.0 - ratio) / (1.0 - NEARLY_FULL), self.nearly_full);
+        level * u * (bend + (1.0 - bend) * u)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -11,7 +11,7 @@
 //! The 1.5 % allow for air that enters hotter than the supply, as fast air through the port does in the model.
 
 use pneudrive_sim::Rig;
-use pneudrive_sim::component::actuator::Actuator;
+use pneudrive_sim::component::actuator::{Actuator, cushion};
 use pneudrive_sim::component::gas::Gas;
 use pneudrive_sim::keys;
 
@@ -45,6 +45,8 @@ pub struct Chambers {
     dither_hz: Option<f64>,
     /// Range of the pressure converters, kPa.
     range_kpa: [f64; 2],
+    /// Positions between which no spear of a cushion is between sensor and chamber, mm.
+    seen_mm: [f64; 2],
 }
 
 impl Chambers {
@@ -63,6 +65,7 @@ impl Chambers {
             dither_hz: dithers.then(|| rig.get(&keys::dither::DITHER_HZ)).filter(|hz| *hz > 0.0),
             range_kpa: [&keys::sensors::PRESSURE_MIN_PA, &keys::sensors::PRESSURE_MAX_PA]
                 .map(|key| rig.get(key) / 1e3),
+            seen_mm: cushion::between(rig).map(|m| 1e3 * m),
         }
     }
 
@@ -119,16 +122,21 @@ pub(super) fn course(transient: &Transient, chambers: &Chambers) -> Inflow {
         best: both(|seen| &seen.best),
         least: both(|seen| &seen.least),
         most: both(|seen| &seen.most),
-        beyond: beyond(transient, chambers.range_kpa),
+        beyond: beyond(transient, chambers),
     }
 }
 
-/// Whether a pressure is at an end of its converter's range.
-fn beyond(transient: &Transient, range_kpa: [f64; 2]) -> Vec<bool> {
+/// Whether a pressure is at an end of its converter's range, or the load in a cushion, whose air no sensor sees.
+fn beyond(transient: &Transient, Chambers { range_kpa, seen_mm: [low, high], .. }: &Chambers) -> Vec<bool> {
     let [one, two] = PRESSURES.map(|channel| &transient.channels[channel]);
     let at_an_end =
         |kpa: &f64| range_kpa.iter().any(|end| (kpa - end).abs() < transient.pressure_step_kpa / 2.0);
-    one.iter().zip(two).map(|(one, two)| at_an_end(one) || at_an_end(two)).collect()
+    let is_cushioned = |mm: &f64| mm < low || mm > high;
+    let pressures = one.iter().zip(two).map(|(one, two)| at_an_end(one) || at_an_end(two));
+    pressures
+        .zip(&transient.channels[POSITION])
+        .map(|(at_an_end, mm)| at_an_end || is_cushioned(mm))
+        .collect()
 }
 
 /// Air let into a chamber up to each sample, kg.

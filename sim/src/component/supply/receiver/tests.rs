@@ -1,4 +1,5 @@
 use super::*;
+use crate::component::valve::iso6358::NEARLY_FULL;
 use pneudrive_solver::{Derivative, Event, Integrator, Method, System};
 
 const LINE: f64 = 7e5;
@@ -46,15 +47,19 @@ fn next_to_the_pressure_of_the_line_the_flow_goes_to_0_in_proportion() {
     for b in [0.0, 0.25, 0.5, 0.9] {
         let feed = Feed::new([LINE, TEMPERATURE], 8e-9, b, false);
         let step = 1e-9;
-        let slope = |r: f64| (feed.share(r + step) - feed.share(r - step)) / (2.0 * step);
+        let slope = |r: f64| (feed.opening.share(r + step) - feed.opening.share(r - step)) / (2.0 * step);
         let [before, after] = [-2.0 * step, 2.0 * step].map(|by| slope(NEARLY_FULL + by));
         assert!((before / after - 1.0).abs() < 1e-4, "{b}: {before} {after}");
-        let shares: Vec<f64> = (0..=1000).map(|i| feed.share(NEARLY_FULL + 1e-6 * f64::from(i))).collect();
+        let shares: Vec<f64> =
+            (0..=1000).map(|i| feed.opening.share(NEARLY_FULL + 1e-6 * f64::from(i))).collect();
         assert!(shares.windows(2).all(|pair| pair[1] < pair[0]) && shares[1000] == 0.0, "{b}");
-        let [full, half] = [1e-6, 5e-7].map(|missing| feed.share(1.0 - missing));
+        let [full, half] = [1e-6, 5e-7].map(|missing| feed.opening.share(1.0 - missing));
         assert!((full / half - 2.0).abs() < 1e-3, "{b}: in proportion");
         // Nowhere farther from the ellipse than 17.5 % of phi_1.
-        let off = |r: f64| (feed.share(r) - feed.opening.ellipse(r).0.sqrt()).abs() / feed.nearly_full[0];
+        let off = |r: f64| {
+            (feed.opening.share(r) - feed.opening.ellipse.ellipse(r).0.sqrt()).abs()
+                / feed.opening.nearly_full[0]
+        };
         let most = (0..1000).map(|i| off(NEARLY_FULL + 1e-6 * f64::from(i))).fold(0.0, f64::max);
         assert!(most < 0.175, "{b}: {most}");
     }
@@ -90,7 +95,7 @@ impl System<2, 0, 0> for Emptying {
 fn off_after(steps: u32) -> f64 {
     let feed = Feed::new([5e4, TEMPERATURE], 8e-9, 0.25, false);
     let receiver = Receiver { volume: 2e-3, feed, heat_per_kelvin: 0.0, wall_temperature: TEMPERATURE };
-    let tau = 2e-3 / (feed.choked * 286.76 * TEMPERATURE.sqrt());
+    let tau = 2e-3 / (feed.opening.choked * 286.76 * TEMPERATURE.sqrt());
     let start = receiver.state_of(&gas(), LINE, TEMPERATURE);
     let mut integrator = Integrator::<2, 0, 0>::new(Method::Merson, 1e6, [1e-5, 1.0], start);
     for step in 1..=steps {
