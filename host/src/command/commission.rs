@@ -153,14 +153,6 @@ fn refuse_unreferenced(client: &mut Client) -> Result<()> {
     )))
 }
 
-/// An error once the program was asked to end.
-fn goes_on(interrupts: &Interrupts) -> Result<()> {
-    match interrupts.look() {
-        false => Ok(()),
-        true => Err(Exit::Interrupted.error("stopped by Ctrl-C")),
-    }
-}
-
 /// Gives the drive the parameters back that it had.
 fn give_back(client: &mut Client, parameters: &Parameters) {
     match client.import_parameters(parameters) {
@@ -170,7 +162,7 @@ fn give_back(client: &mut Client, parameters: &Parameters) {
 }
 
 fn to_the_middle(client: &mut Client, rig: &Rig, interrupts: &Interrupts) -> Result<()> {
-    goes_on(interrupts)?;
+    interrupts.refuse_if_seen()?;
     let Standing { there, from_mm } = Standing::of(client, rig.name(), rig)?;
     let middle_mm = 500.0 * rig.get(&keys::actuator::STROKE_M);
     let test = slow_move::go(rig, &there, from_mm, middle_mm)?;

@@ -60,6 +60,14 @@ impl Interrupts {
         STOP.load(Ordering::Relaxed)
     }
 
+    /// An error once the program was asked to end.
+    pub fn refuse_if_seen(&self) -> Result<()> {
+        match self.look() {
+            false => Ok(()),
+            true => Err(Exit::Interrupted.error("stopped by Ctrl-C")),
+        }
+    }
+
     /// Whether the drive is to stop because of the output and not because of Ctrl-C.
     fn by_output() -> bool {
         STOP.load(Ordering::Relaxed) && !PRESSED.load(Ordering::Relaxed)

@@ -16,11 +16,10 @@ use pneudrive_identify::plan::Recorded;
 use pneudrive_identify::report;
 use pneudrive_link::client::Client;
 use pneudrive_sim::component::encoder::mm_per_count;
-use pneudrive_sim::component::friction::FrictionKind;
+use pneudrive_sim::component::friction::{Friction, FrictionKind, FrictionModel};
 use pneudrive_sim::key::Choice;
 use pneudrive_sim::{Rig, keys};
 
-use super::goes_on;
 use crate::cli::{Commission, Identify};
 use crate::command::identify;
 use crate::command::interrupts::Interrupts;
@@ -69,7 +68,7 @@ impl Fit {
         let is_live = || !interrupts.look();
         let cancel = CancelToken::cancelled_unless(&is_live);
         let found = identify::searched(plan, (&recorded.fitted, usual(&rig)), cancel);
-        goes_on(interrupts)?;
+        interrupts.refuse_if_seen()?;
         let found = found?;
         let [position, ..] = &found.channels;
         let counts = position.as_ref().map_or(f64::INFINITY, |position| position.after);
@@ -104,7 +103,11 @@ fn of_the_cause(_: &Rig, found: &Identification) -> Other {
 
 /// Seals give way like a spring before they slide; no trace of a rigid one shows that.
 fn of_the_friction(rig: &Rig, _: &Identification) -> Other {
-    let is_rigid = rig.get(&keys::friction::FRICTION) == FrictionKind::Coulomb;
-    let bristles = keys::friction::FRICTION.setting(FrictionKind::LuGre.word());
-    is_rigid.then(|| ("friction that gives way before it slides".to_owned(), vec![bristles]))
+    let gives_way = |rig: &Rig| !Friction::of(rig).scale().is_empty();
+    let with = |word: &str| vec![keys::friction::FRICTION.setting(word)];
+    let mut others = FrictionKind::WORDS.iter().map(|(word, _)| with(word));
+    let other = others.find(|other| rig.with_settings(other).is_ok_and(|rig| gives_way(&rig)));
+    other
+        .filter(|_| !gives_way(rig))
+        .map(|other| ("friction that gives way before it slides".to_owned(), other))
 }
