@@ -202,6 +202,20 @@ impl Kept {
         Some(Kept { learned: run.after_arming(armings), armings, at_bound, changed })
     }
 
+    /// Whether it differs so much from what is stored that it is worth a write of the flash: M or pace by a 16th, s by an 8th, d by a
+    /// stiction, B by half of it, or the looseness. Nothing is while the drive has changed of late.
+    #[must_use]
+    pub fn is_worth_storing(&self, stored: &Kept) -> bool {
+        let (is, was) = (&self.learned, &stored.learned);
+        let moved = is.mass.abs_diff(was.mass) > ONE.unsigned_abs() / 16
+            || is.pace.abs_diff(was.pace) > ONE.unsigned_abs() / 16
+            || is.friction.abs_diff(was.friction) > ONE.unsigned_abs() / 8
+            || is.force.abs_diff(was.force) > 1 << 24
+            || is.viscous.abs_diff(was.viscous) > 1 << 23
+            || is.looseness != was.looseness;
+        moved && self.changed == Changed::No
+    }
+
     fn afresh(changed: Changed) -> Kept {
         Kept { changed, ..Kept::default() }
     }
