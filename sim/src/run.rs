@@ -25,7 +25,7 @@ pub struct Run<R = Row> {
     pub commands: Vec<Command>,
     /// The fault that ended the control, if any, and the sample at which it tripped.
     pub fault: Option<(Fault, u32)>,
-    /// What the next run of a drive begins with that keeps what it has learned (`controller.adapt`); None: with the same.
+    /// What the next run of a drive begins with that keeps what it has learned (`controller.adapt`); None: nothing is kept.
     pub kept: Option<Kept>,
     /// The work of the run.
     pub work: PlantWork,

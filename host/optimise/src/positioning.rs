@@ -10,6 +10,7 @@
 //! | [`draw`] | the rigs that the drive may turn out to be |
 //! | [`course`] | the steps and sines, as the test of a rig |
 //! | [`arrival`] | how a step ended, and how far a drive was from a sine |
+//! | [`armings`] | the first steps after several armings |
 //! | [`score`] | both over all draws |
 //! | [`bang_bang`] | the bound on the time of a step |
 //! | [`mod@beside`] | the steps of any run beside that bound |
@@ -17,6 +18,7 @@
 //! The law is that of `controller.law` in the rig file, with its gains. The same seed draws the same rigs and places,
 //! whatever the law and the number of threads, so that laws are compared on the same draws.
 
+pub mod armings;
 pub mod arrival;
 pub mod bang_bang;
 pub mod beside;

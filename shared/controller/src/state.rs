@@ -119,7 +119,7 @@ impl State {
         self.null_offset = NullOffset::default();
     }
 
-    /// What the next run is to begin with, by what the last one has learned; None: with the same as that one, or none has run since
+    /// What the next run is to begin with, by what the last one has learned; None: nothing is kept, or none has run since
     /// [`State::forget_run`].
     #[must_use]
     pub fn kept(&self, config: &Config) -> Option<Kept> {

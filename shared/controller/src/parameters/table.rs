@@ -165,7 +165,7 @@ macro_rules! parameter_table {
                134 KEPT_LOOSENESS "kept_looseness" "" [0, 4, 0] () "" "Kept of what the law cascade has learned: how often the distance at which the load may rest was doubled." only Cascade;
                135 KEPT_ARMINGS "kept_armings" "" [0, 65_535, 0] () "" "Armings that have carried on what the law cascade has learned." only Cascade;
                136 KEPT_AT_BOUND "kept_at_bound" "" [0, 3, 0] () "" "Runs in a row that ended with something at the bound of what the law cascade can learn." only Cascade;
-               137 KEPT_CHANGED "kept_changed" "" [0, 2, 0] () "" "Why the law cascade began afresh of late. 0: it did not. 1: what it learned stayed at a bound. 2: a run found another drive than the one before." only Cascade;
+               137 KEPT_CHANGED "kept_changed" "" [0, 3, 0] () "" "Why the law cascade began afresh of late. 0: it did not. 1: what it learned stayed at a bound. 2: a run found another drive than the one before. 3: a run tripped." only Cascade;
             }
         }
     };

@@ -92,7 +92,7 @@ fn what_a_run_has_learned_is_told_at_its_end_once_and_makes_another_run_of_the_s
 }
 
 #[test]
-fn a_run_that_has_tripped_leaves_what_is_kept_as_it_is_unless_it_was_stopped() {
+fn a_drive_that_has_tripped_begins_afresh_unless_it_was_stopped() {
     let record = level();
     let mut bench = keeping(&record, &Kept::default());
     commands(&mut bench, &record.rows);
@@ -100,7 +100,8 @@ fn a_run_that_has_tripped_leaves_what_is_kept_as_it_is_unless_it_was_stopped() {
     stopped.supervisor.trip(Fault::Stop);
     assert_eq!(stopped.kept(&bench.config), bench.state.kept(&bench.config));
     tripped.supervisor.trip(Fault::EncoderStep);
-    assert_eq!(tripped.kept(&bench.config), None);
+    let afresh = Kept { changed: Changed::Tripped, ..Kept::default() };
+    assert_eq!(tripped.kept(&bench.config), Some(afresh));
 }
 
 /// A configuration takes over what an arming has learned as if it had been made of the parameters.

@@ -65,11 +65,11 @@ impl Cascade {
         Learned { mass, friction, force, viscous, pace, looseness }.bounded()
     }
 
-    /// What is kept at the arming behind this run, with the fault that the drive is in; None: as before.
+    /// What is kept at the arming behind this run, with the fault that the drive is in; None: nothing, or it has not run.
     pub(crate) fn keep(&self, settings: &Settings, fault: Option<Fault>) -> Option<Kept> {
         let is_at_bound = self.load.is_at_bound() || self.lag.is_at_bound();
         let has_run = settings.keeps && self.begun != Begun::No;
-        has_run.then(|| settings.kept.after(self.learned(), is_at_bound, fault)).flatten()
+        has_run.then(|| settings.kept.after(self.learned(), is_at_bound, fault))
     }
 
     /// What this run has learned is kept, or not: it is not asked for again.
