@@ -15,7 +15,7 @@ use super::run::{assert_is_the_simulation, replayed, rig, run_on};
 /// Writes and erases of a save are more than this.
 const MIN_OPERATIONS: u64 = 20;
 
-/// The drive of 32 x 250 mm that keeps what it learns, with 11 kg where its file says 8.
+/// The drive of 32 x 250 mm that keeps what it learns, with 11 kg where its file says 8.38.
 fn heavier(settings: &[&str]) -> Rig {
     let kept = ["controller.adapt=kept", "test.moves_mm=[[0.0, 60], [0.1, 120]]", "test.position_m=0.06"];
     let rig = rig("press", &[&kept[..], settings].concat());
@@ -49,7 +49,7 @@ pub fn each_run_begins_with_what_the_ones_before_have_learned(start: Start) {
         kept = simulated.kept.expect("the run tells what it has learned");
         assert_eq!(kept.armings, armings + 1, "{what}: {kept:?}");
     }
-    assert!(kept.learned.mass > 76_000, "11 kg instead of 8: {kept:?}");
+    assert!(kept.learned.mass > 76_000, "11 kg instead of 8.38: {kept:?}");
 }
 
 /// Whether the record replays without what its header says of earlier runs.

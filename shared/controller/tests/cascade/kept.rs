@@ -73,7 +73,7 @@ fn bench_parameters(record: &Record, learned: Learned) -> Parameters {
     parameters
 }
 
-/// The drive of the record has 9.5 kg instead of 8.
+/// The drive of the record has 9.5 kg instead of 8.38.
 #[test]
 fn what_a_run_has_learned_is_told_at_its_end_once_and_makes_another_run_of_the_same_samples() {
     let record = level();
