@@ -28,7 +28,6 @@ pub mod score;
 
 use anyhow::Result;
 use pneudrive_evaluate::parallel;
-use pneudrive_records::words::fault_name;
 use pneudrive_sim::{Accuracy, Rig, Run, check_convergence};
 
 pub use arrival::{Arrival, BANDS_MM};
@@ -39,6 +38,7 @@ pub use draw::{Draw, Spread, draws, places};
 pub use score::{SineScore, StepScore};
 
 use crate::runners::Runners;
+use arrival::to_its_end;
 
 /// What a law is measured on.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -124,13 +124,6 @@ fn measured<T>(runners: &Runners, rig: &Rig, measure: impl Fn(&Run) -> Result<T,
         Ok((measured, convergence.is_converged()))
     });
     measured.unwrap_or_else(|error| Err(error.to_string()))
-}
-
-fn to_its_end(run: &Run) -> Result<(), String> {
-    match run.fault {
-        Some((fault, k)) => Err(format!("{} at sample {k}", fault_name(fault))),
-        None => Ok(()),
-    }
 }
 
 #[cfg(test)]

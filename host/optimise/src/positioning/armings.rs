@@ -8,9 +8,11 @@ use pneudrive_controller::law::cascade::kept::{Changed, Kept};
 use pneudrive_evaluate::parallel;
 use pneudrive_sim::{Accuracy, Rig, Run, run_keeping};
 
+use super::Plan;
+use super::arrival::{Arrival, to_its_end};
 use super::course::{FIRST, HOLD_S, MOVE_S, Steps};
+use super::draw::{draws, places};
 use super::score::{StepScore, median};
-use super::{Arrival, Plan, draws, places, to_its_end};
 
 /// On a trajectory of its own.
 const TRAJECTORY: f64 = 1.0;
