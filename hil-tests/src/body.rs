@@ -3,6 +3,7 @@
 pub mod axis;
 pub mod jitter;
 pub mod keeping;
+pub mod kept;
 pub mod records;
 mod run;
 pub mod soak;

@@ -210,6 +210,11 @@ fn the_emulated_board_moves_a_stepped_spool_as_the_simulation_does() {
 }
 
 #[test]
+fn each_run_of_the_emulated_board_begins_with_what_the_ones_before_have_learned() {
+    body::kept::each_run_begins_with_what_the_ones_before_have_learned(emulated_board);
+}
+
+#[test]
 fn a_late_sample_trips_the_emulated_board_by_name() {
     body::jitter::a_late_sample_trips_by_name(|rig| Box::new(started(rig)));
 }

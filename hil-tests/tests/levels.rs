@@ -67,6 +67,16 @@ fn the_virtual_rig_moves_a_stepped_spool_as_the_simulation_does() {
 }
 
 #[test]
+fn each_run_of_a_virtual_rig_begins_with_what_the_ones_before_have_learned() {
+    body::kept::each_run_begins_with_what_the_ones_before_have_learned(virtual_rig);
+}
+
+#[test]
+fn a_power_cut_while_a_virtual_rig_stores_what_it_learned_leaves_the_old_or_the_new() {
+    body::kept::a_power_cut_while_it_is_stored_leaves_the_old_or_the_new(supplied);
+}
+
+#[test]
 fn the_watchdog_of_the_virtual_rig_bites_when_it_is_tried() {
     body::watchdog::a_watchdog_that_is_tried_resets_the_board(virtual_rig);
 }

@@ -68,6 +68,11 @@ fn a_board_of_chips_moves_a_stepped_spool_as_the_simulation_does() {
     body::a_stepped_spool(wired);
 }
 
+#[test]
+fn each_run_of_a_board_of_chips_begins_with_what_the_ones_before_have_learned() {
+    body::kept::each_run_begins_with_what_the_ones_before_have_learned(wired);
+}
+
 /// The modelled microcontroller has none.
 #[test]
 fn a_board_of_chips_without_a_watchdog_says_so() {

@@ -5,6 +5,7 @@ use std::fs;
 use std::process::{Command, Stdio};
 
 use crate::program::{folder, transcript, unhurried_rig, virtual_rig, virtual_rig_of};
+use pneudrive_sim::Rig;
 
 #[test]
 fn an_axis_that_is_homed_counts_from_its_stop() {
@@ -347,4 +348,32 @@ fn a_move_that_is_refused_for_a_check_that_is_off_leaves_a_drive_that_holds() {
     let refused = device("go 100mm --rig press");
     assert!(refused.contains("would never trip with: no-motion") && refused.ends_with("= 5"), "{refused}");
     assert!(device("status").starts_with("mode        armed\n"), "{}", device("status"));
+}
+
+/// 8.38 kg by its file, 11 kg by its plant.
+#[test]
+fn what_a_drive_has_learned_is_shown_in_units_and_forgotten_on_request() {
+    let settings = ["controller.adapt=kept".to_owned()];
+    let rig = Rig::builtin("press").expect("a built-in rig").with_settings(&settings).expect("valid");
+    let heavier = rig.with_plant(&["load.mass_kg=11".to_owned()]).expect("a plant");
+    let (folder, served) = (folder(), virtual_rig_of(heavier));
+    let typed = |what: &str| transcript(folder.path(), &what.replace("PORT", served.port()));
+    let learned = || typed("device --port PORT learned --rig press");
+    assert!(
+        learned().starts_with("kept of     0 armings\nmass        1.000 of the rig file, 8.38 kg\n"),
+        "{}",
+        learned()
+    );
+    assert!(typed("device --port PORT config save").ends_with("= 0"));
+    assert!(typed("run press --port PORT").ends_with("= 0"));
+    assert!(typed("device --port PORT arm").ends_with("= 0"));
+    let kept = learned();
+    assert!(kept.starts_with("kept of     1 armings\nmass        1.2"), "{kept}");
+    assert!(kept.contains(" kg\n") && kept.contains(" N\n") && kept.contains(" ms\n"), "{kept}");
+    assert!(!typed("device --port PORT status").contains("\nlearned "), "it has not changed");
+    assert!(typed("device --port PORT learned --forget").contains("disarm"), "not while it is enabled");
+    typed("device --port PORT disarm");
+    let forgotten = typed("device --port PORT learned --forget");
+    assert_eq!(forgotten, "forgotten: the next run begins with what the rig file says\n= 0");
+    assert!(learned().starts_with("kept of     0 armings\n"));
 }

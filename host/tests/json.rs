@@ -210,6 +210,7 @@ fn figures_of_a_drive() {
     assert_eq!(device("config set", "gain_profile[3] 2000")["parameters"][0]["value"], 2000.0);
     assert_eq!(device("records set", "3 to_mm=120")["records"][0]["number"], 3);
     assert_eq!(device("io", "run=on number=4")["inputs"]["number"], 4);
+    assert_eq!(device("learned", "")["adapt"], "afresh");
     let table = device("records show", "");
     assert_eq!(
         (&table["records"][0]["dwell_samples"], &table["saved"]),

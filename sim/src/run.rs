@@ -1,5 +1,6 @@
 //! One run: the real controller on the simulated plant, as fast as it goes.
 
+use pneudrive_controller::law::cascade::kept::Kept;
 use pneudrive_controller::{Command, Config, Fault, Mode, Observation, Sequence, State, output, sample};
 
 use crate::component::sensors::calibration::Reading;
@@ -24,6 +25,8 @@ pub struct Run<R = Row> {
     pub commands: Vec<Command>,
     /// The fault that ended the control, if any, and the sample at which it tripped.
     pub fault: Option<(Fault, u32)>,
+    /// What the next run of a drive begins with that keeps what it has learned (`controller.adapt`); None: nothing is kept.
+    pub kept: Option<Kept>,
     /// The work of the run.
     pub work: PlantWork,
 }
@@ -105,8 +108,18 @@ pub fn run_recorded(
     recording: Recording,
     progress: impl FnMut(u32, u32),
 ) -> Result<Run, IntegrationError> {
-    let mut runner = Runner::in_memory_of(Run::new(), rig, accuracy, recording);
+    let mut runner = Runner::in_memory_of(Run::new(), rig, accuracy, recording, &Kept::default());
     runner.run_watched(progress)?;
+    Ok(runner.run)
+}
+
+/// The test of a rig whose drive has kept something of the runs before; it counts with `controller.adapt = "kept"` alone.
+///
+/// # Errors
+/// When the integration fails.
+pub fn run_keeping(rig: &Rig, accuracy: Accuracy, kept: &Kept) -> Result<Run, IntegrationError> {
+    let mut runner = Runner::in_memory_of(Run::new(), rig, accuracy, Recording::default(), kept);
+    runner.run_watched(|_, _| {})?;
     Ok(runner.run)
 }
 
@@ -128,22 +141,28 @@ impl<R: Record> Runner<R> {
     /// A runner for the test of a rig.
     #[must_use]
     pub fn new(rig: &Rig, accuracy: Accuracy) -> Runner<R> {
-        Runner::in_memory_of(Run::new(), rig, accuracy, Recording::default())
+        Runner::in_memory_of(Run::new(), rig, accuracy, Recording::default(), &Kept::default())
     }
 
     /// Prepares for runs of another rig.
     pub fn take(&mut self, rig: &Rig, accuracy: Accuracy) {
         let run = std::mem::replace(&mut self.run, Run::new());
-        *self = Runner::in_memory_of(run, rig, accuracy, self.recording);
+        *self = Runner::in_memory_of(run, rig, accuracy, self.recording, &Kept::default());
     }
 
-    fn in_memory_of(mut run: Run<R>, rig: &Rig, accuracy: Accuracy, recording: Recording) -> Runner<R> {
+    fn in_memory_of(
+        mut run: Run<R>,
+        rig: &Rig,
+        accuracy: Accuracy,
+        recording: Recording,
+        kept: &Kept,
+    ) -> Runner<R> {
         let (period_us, last_sample) = (u64::from(rig.period_us().get()), rig.last_sample());
         let row_period = rig.get(&keys::test::TRACE_PERIOD_S).and_then(whole_microseconds);
         let row_period_us = row_period.unwrap_or(period_us);
         let end_us = rig.microseconds(&keys::test::DURATION_S);
         run.make_room(room_for(end_us / row_period_us), room_for(u64::from(last_sample)));
-        let start = SimulatedDrive::of(rig, accuracy);
+        let start = SimulatedDrive::of(rig, accuracy, kept);
         Runner { start, period_us, last_sample, row_period_us, end_us, recording, run }
     }
 
@@ -182,6 +201,7 @@ impl<R: Record> Runner<R> {
             }
         }
         (self.run.fault, self.run.work) = (drive.fault, drive.plant.work());
+        self.run.kept = drive.state.kept(&drive.config);
         Ok(&self.run)
     }
 
@@ -211,6 +231,7 @@ impl<R> Run<R> {
             readings: Vec::new(),
             commands: Vec::new(),
             fault: None,
+            kept: None,
             work: PlantWork::default(),
         }
     }
@@ -230,7 +251,7 @@ impl<R> Run<R> {
         self.observations.clear();
         self.readings.clear();
         self.commands.clear();
-        (self.fault, self.work) = (None, PlantWork::default());
+        (self.fault, self.kept, self.work) = (None, None, PlantWork::default());
     }
 }
 
@@ -253,8 +274,11 @@ struct SimulatedDrive {
 
 impl SimulatedDrive {
     /// The drive of a rig at the start of its test, referenced, armed and at rest.
-    fn of(rig: &Rig, accuracy: Accuracy) -> SimulatedDrive {
-        let parameters = rig.parameters();
+    fn of(rig: &Rig, accuracy: Accuracy, kept: &Kept) -> SimulatedDrive {
+        let mut parameters = rig.parameters();
+        for (id, value) in kept.values() {
+            parameters.set(id, value).expect("what is kept is within its ranges");
+        }
         let config = Config::new(&parameters).expect("a checked rig has a consistent controller");
         let sequence = rig.sequence();
         let mut state = State::default();

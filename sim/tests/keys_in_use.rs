@@ -28,6 +28,7 @@ const TOLD_TO_OTHERS: &[(&str, &str)] = &[
 const OF_THE_BOARD: &[&str] = &[
     "safety.",
     "controller.learn",
+    "controller.adapt",
     "controller.homing",
     "controller.forced_exit_s",
     "controller.exit_on_dead_band",

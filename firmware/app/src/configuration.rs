@@ -1,7 +1,8 @@
 //! The parameters in force, the controller's configuration, the move records, and their origin.
 
 use pneudrive_controller::config::ConfigError;
-use pneudrive_controller::parameters::id;
+use pneudrive_controller::law::cascade::kept::Kept;
+use pneudrive_controller::parameters::LEARNED;
 use pneudrive_controller::{Config, Parameters};
 
 use crate::move_records::MoveRecords;
@@ -77,11 +78,18 @@ pub struct Configuration {
     saves: u32,
     saved_hash: Option<u32>,
     ignored: u16,
-    /// The learned null offset is to be stored once the drive rests, if it is worth it.
+    /// What was learned is to be stored once the drive rests, if it is worth it.
     learned: bool,
-    /// The null offset that was saved last, counts or steps.
+    /// The null offset that was saved last, counts or steps, and what was kept then of what the law has learned.
     saved_null: i16,
+    saved_kept: Kept,
+    /// Armings since the reset that have kept something, and from which one on that may be stored.
+    carried: u32,
+    due: u32,
 }
+
+/// Between two writes of what the law has learned there are no more armings than this.
+const MOST_CARRIED: u32 = 4096;
 
 impl Configuration {
     /// Loads the stored configuration after a reset. Returns false if it is lost: the thesis's parameters are in
@@ -105,6 +113,7 @@ impl Configuration {
         self.saves = report.generation;
         self.saved_hash = as_stored.then_some(prepared.hash);
         self.saved_null = prepared.config.law.null_offset;
+        self.saved_kept = Kept::of(&prepared.parameters);
         self.in_force = prepared;
         self.records = records;
         true
@@ -127,35 +136,45 @@ impl Configuration {
         self.records = records;
     }
 
-    /// Puts the learned null offset in force: these parameters otherwise equal those in force. If the earlier ones
+    /// Puts in force what was learned: these parameters otherwise equal those in force. If the earlier ones
     /// were stored, these will be, too (`save_learned`).
     pub fn learn(&mut self, learned: &Prepared) {
         self.learned |= self.is_saved();
+        self.carried = self.carried.saturating_add(1);
         // A copy of the whole would keep the control interrupt waiting.
         let Prepared { parameters, config, hash } = &mut self.in_force;
-        let null_offset = learned.config.law.null_offset;
-        if parameters.set(id::NULL_OFFSET_COUNTS, null_offset.into()).is_ok() {
-            config.law.null_offset = null_offset;
-            *hash = learned.hash;
+        for id in LEARNED {
+            let taken = learned.parameters.get(id).map(|value| parameters.set(id, value));
+            debug_assert_eq!(taken, Some(Ok(())), "{id}");
         }
+        config.law.learn(&learned.config.law);
+        *hash = learned.hash;
     }
 
-    /// Stores the learned null offset if it has moved by at least a 512th of the largest command since the last save,
-    /// because each save wears the flash. It is tried once: an offset that cannot be stored is learned again after
-    /// the next reset.
+    /// Stores what was learned if the null offset has moved by at least a 512th of the largest command since the last save, or what
+    /// the law keeps by as much as it says, because each save wears the flash. The latter is stored at the 1st, 4th, 16th arming after
+    /// a reset and so on, and each 4096th at last: a load that wanders does not wear it out either. It is tried once: what cannot be
+    /// stored is learned again after the next reset.
     ///
     /// # Errors
     /// As for [`Configuration::save`].
     #[cold]
     #[inline(never)]
     pub(crate) fn save_learned(&mut self, store: &mut impl Store) -> Result<(), NotStored> {
-        let moved = self.config().law.null_offset.abs_diff(self.saved_null);
-        let worth = self.config().limits.largest_command.unsigned_abs() / 512;
-        if !self.learned || moved < worth.max(1) {
+        if !self.learned || !(self.null_has_moved() || self.law_has_moved()) {
             return Ok(());
         }
         self.learned = false;
         self.save(store)
+    }
+
+    fn null_has_moved(&self) -> bool {
+        let moved = self.config().law.null_offset.abs_diff(self.saved_null);
+        moved >= (self.config().limits.largest_command.unsigned_abs() / 512).max(1)
+    }
+
+    fn law_has_moved(&self) -> bool {
+        self.carried >= self.due && Kept::of(self.parameters()).is_worth_storing(&self.saved_kept)
     }
 
     /// Stores parameters and move records for the next reset.
@@ -168,6 +187,8 @@ impl Configuration {
         self.saves = store.save(self.parameters(), &self.records)?;
         self.saved_hash = Some(self.hash());
         self.saved_null = self.config().law.null_offset;
+        self.saved_kept = Kept::of(self.parameters());
+        self.due = self.carried.saturating_add(self.carried.saturating_mul(3).clamp(1, MOST_CARRIED));
         self.records_changed = false;
         self.learned = false;
         self.source = Source::Stored;
@@ -181,7 +202,7 @@ impl Configuration {
         self.source == Source::Damaged
     }
 
-    /// Whether the next reset would load these parameters and move records, apart from the learned null offset.
+    /// Whether the next reset would load these parameters and move records, apart from what was learned.
     #[must_use]
     pub fn is_saved(&self) -> bool {
         (self.learned || self.saved_hash == Some(self.hash())) && !self.records_changed
@@ -227,5 +248,66 @@ impl Configuration {
     #[must_use]
     pub fn hash(&self) -> u32 {
         self.in_force.hash
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use pneudrive_controller::choice::Adapt;
+    use pneudrive_controller::parameters::id;
+
+    use super::*;
+    use crate::fault_log::Event;
+
+    /// A store that takes everything.
+    #[derive(Default)]
+    struct Taking {
+        saves: u32,
+    }
+
+    impl Store for Taking {
+        fn load(&mut self) -> Load {
+            Load::defaults(Outcome::NeverSaved)
+        }
+        fn boot(&self) -> u32 {
+            1
+        }
+        fn save(&mut self, _: &Parameters, _: &MoveRecords) -> Result<u32, NotStored> {
+            self.saves += 1;
+            Ok(self.saves)
+        }
+        fn log(&mut self, _: u8, _: u32, _: i32, _: u64) {}
+        fn event(&self, _: usize) -> Option<Event> {
+            None
+        }
+        fn events(&self) -> usize {
+            0
+        }
+        fn flush(&mut self) -> Result<(), NotStored> {
+            Ok(())
+        }
+    }
+
+    /// The saves of so many armings, the nth of which keeps this mass.
+    fn saves(armings: u32, mass: impl Fn(u32) -> i32) -> u32 {
+        let (mut configuration, mut store) = (Configuration::default(), Taking::default());
+        configuration.save(&mut store).expect("taken");
+        for arming in 1..=armings {
+            let mut learned = configuration.parameters().clone();
+            for (id, value) in [(id::ADAPT, Adapt::Kept as i32), (id::KEPT_MASS, mass(arming))] {
+                learned.set(id, value).expect("in range");
+            }
+            configuration.learn(&Prepared::of(learned).expect("they go together"));
+            configuration.save_learned(&mut store).expect("taken");
+        }
+        store.saves - 1
+    }
+
+    /// A sector bears 10,000 erases, and each save erases one of two slots.
+    #[test]
+    fn a_load_that_is_another_one_at_each_arming_does_not_wear_the_flash_out() {
+        let wandering = |arming| if arming % 2 == 0 { 65_536 } else { 85_000 };
+        assert_eq!(saves(20_000, wandering), 6 + 4, "at 1, 4, 16 to 1024, then each 4096th");
+        assert_eq!(saves(20_000, |arming| 65_536 + arming as i32 % 4000), 0, "less than a 16th");
     }
 }

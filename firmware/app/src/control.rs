@@ -92,7 +92,7 @@ impl<R: BorrowMut<Recorder>> Control<R> {
         self.parameters().absolute_zero().filter(|_| self.may_know_position)
     }
 
-    /// The work for idle time: settles the timing, and stores logged faults and the learned null once the drive
+    /// The work for idle time: settles the timing, and stores logged faults and what was learned once the drive
     /// rests. The board calls it where it serves the port.
     ///
     /// # Errors

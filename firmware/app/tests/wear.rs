@@ -4,6 +4,7 @@ use crate::flash_drive::DriveWithFlash;
 use crate::nor_flash::{Flash, SECTOR};
 use pneudrive_app::fault_log::{FaultLog, FaultStore, MEMORY_BYTES, Restored};
 use pneudrive_app::ram_flash::RamFlash;
+use pneudrive_controller::choice::{Adapt, Law};
 use pneudrive_controller::parameters::id;
 use pneudrive_controller::{Fault, Mode};
 
@@ -83,4 +84,42 @@ fn a_null_that_drifts_is_stored_each_time_that_it_has_moved_on() {
     assert!(in_force >= 35 && (0..4).contains(&(in_force - stored)), "{in_force}, stored {stored}");
     let [one, other, ..] = drive.board.store.flash().erases();
     assert!((8..=11).contains(&(one + other)), "{one} and {other} erases");
+}
+
+/// A drive under the law that learns its drive, which has kept twice the mass of its rig file and finds nothing new at rest: each
+/// arming takes an eighth back.
+fn drive_that_keeps() -> DriveWithFlash {
+    let mut drive = DriveWithFlash::on(RamFlash::default());
+    drive.control.set_referenced().expect("disarmed");
+    let mut parameters = drive.control.parameters().clone();
+    for (id, value) in [
+        (id::LAW, Law::Cascade as i32),
+        (id::CASCADE_STROKE, 25_000),
+        (id::ADAPT, Adapt::Kept as i32),
+        (id::KEPT_MASS, 131_072),
+    ] {
+        parameters.set(id, value).expect("in range");
+    }
+    drive.control.load_parameters(parameters).expect("they go together");
+    drive.control.save_parameters(&mut drive.board).expect("disarmed");
+    drive
+}
+
+#[test]
+fn what_a_law_keeps_is_in_force_at_each_arming_and_stored_at_the_first_the_fourth_and_the_sixteenth() {
+    let mut drive = drive_that_keeps();
+    let mut stored = vec![];
+    for armings in 1..=20 {
+        run(&mut drive, 0);
+        // The first one begins with what is stored; what each run finds counts from the next arming on.
+        assert_eq!(drive.get(id::KEPT_ARMINGS), armings - 1);
+        let of_flash = drive.power_cycle().get(id::KEPT_ARMINGS);
+        if stored.last() != Some(&of_flash) {
+            stored.push(of_flash);
+        }
+    }
+    assert_eq!(stored, [0, 1, 4, 16]);
+    let left = drive.power_cycle().get(id::KEPT_MASS) - 65_536;
+    assert!(left.abs_diff(7738) < 4, "7/8 of each before, 16 times, of 65,536: {left}");
+    assert!(drive.control.configuration().is_saved(), "but for what was learned");
 }

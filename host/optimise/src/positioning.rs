@@ -10,6 +10,7 @@
 //! | [`draw`] | the rigs that the drive may turn out to be |
 //! | [`course`] | the steps and sines, as the test of a rig |
 //! | [`arrival`] | how a step ended, and how far a drive was from a sine |
+//! | [`armings`] | the first steps after several armings |
 //! | [`score`] | both over all draws |
 //! | [`bang_bang`] | the bound on the time of a step |
 //! | [`mod@beside`] | the steps of any run beside that bound |
@@ -17,6 +18,7 @@
 //! The law is that of `controller.law` in the rig file, with its gains. The same seed draws the same rigs and places,
 //! whatever the law and the number of threads, so that laws are compared on the same draws.
 
+pub mod armings;
 pub mod arrival;
 pub mod bang_bang;
 pub mod beside;
@@ -26,7 +28,6 @@ pub mod score;
 
 use anyhow::Result;
 use pneudrive_evaluate::parallel;
-use pneudrive_records::words::fault_name;
 use pneudrive_sim::{Accuracy, Rig, Run, check_convergence};
 
 pub use arrival::{Arrival, BANDS_MM};
@@ -37,6 +38,7 @@ pub use draw::{Draw, Spread, draws, places};
 pub use score::{SineScore, StepScore};
 
 use crate::runners::Runners;
+use arrival::to_its_end;
 
 /// What a law is measured on.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -122,13 +124,6 @@ fn measured<T>(runners: &Runners, rig: &Rig, measure: impl Fn(&Run) -> Result<T,
         Ok((measured, convergence.is_converged()))
     });
     measured.unwrap_or_else(|error| Err(error.to_string()))
-}
-
-fn to_its_end(run: &Run) -> Result<(), String> {
-    match run.fault {
-        Some((fault, k)) => Err(format!("{} at sample {k}", fault_name(fault))),
-        None => Ok(()),
-    }
 }
 
 #[cfg(test)]

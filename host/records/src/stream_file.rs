@@ -7,7 +7,7 @@
 //! an interrupted stream has, too. [`crate::target::TargetFile`] reads it.
 
 use std::fs::{File, OpenOptions};
-use std::io::{self, Write};
+use std::io::{self, Seek, Write};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Error, Result, anyhow, bail};
@@ -76,12 +76,38 @@ impl StreamFile {
         let file = OpenOptions::new().write(true).create_new(true).open(path);
         let file = file.with_context(|| format!("cannot make {}", path.display()))?;
         let mut file = StreamFile::over(file, path, every);
+        file.describe(test, info, parameters, sequence)?;
+        Ok(file)
+    }
+
+    /// Writes the header anew before the first sample, with other parameters.
+    ///
+    /// # Errors
+    /// When it cannot be written.
+    pub fn describe_again(
+        &mut self,
+        test: &str,
+        info: &Info,
+        parameters: &RigParameters,
+        sequence: &Sequence,
+    ) -> Result<()> {
+        let emptied = self.out.set_len(0).and_then(|()| self.out.rewind());
+        emptied.with_context(|| format!("cannot write {}", self.path.display()))?;
+        self.describe(test, info, parameters, sequence)
+    }
+
+    fn describe(
+        &mut self,
+        test: &str,
+        info: &Info,
+        parameters: &RigParameters,
+        sequence: &Sequence,
+    ) -> Result<()> {
         let mut header = described(FORMAT, test, info, parameters);
-        header.insert(2, ("decimation".to_owned(), every.to_string()));
+        header.insert(2, ("decimation".to_owned(), self.every.to_string()));
         header.extend(test_lines::lines(sequence));
         header.push((HEADER_CRC.to_owned(), crc_text(&header_text(&header))));
-        file.write(&(header_text(&header) + COLUMNS + "\n"))?;
-        Ok(file)
+        self.write(&(header_text(&header) + COLUMNS + "\n"))
     }
 }
 

@@ -16,7 +16,7 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, anyhow, bail};
-use pneudrive_controller::parameters::id;
+use pneudrive_controller::parameters::LEARNED;
 use pneudrive_link::client::Client;
 use pneudrive_link::failure::Failure;
 use pneudrive_records::parameter_names::Written;
@@ -153,9 +153,9 @@ impl Unreturned {
     }
 
     /// Whether a drive with these parameters is the one whose program was killed: they are equal, except for the
-    /// borrowed ones and the null that a run has learned.
+    /// borrowed ones and what a run has learned.
     fn is_of(&self, parameters: &RigParameters) -> bool {
-        let may_differ = |id| id == id::NULL_OFFSET_COUNTS || self.borrowed.contains(&id);
+        let may_differ = |id| LEARNED.contains(&id) || self.borrowed.contains(&id);
         self.all.iter().all(|&(id, value)| may_differ(id) || parameters.values.get(id) == Some(value))
     }
 
@@ -225,6 +225,8 @@ fn remove(path: &Path) -> Result<()> {
 
 #[cfg(test)]
 mod tests {
+    use pneudrive_controller::parameters::id;
+
     use super::*;
 
     #[test]
@@ -248,7 +250,7 @@ mod tests {
     }
 
     #[test]
-    fn it_is_for_a_drive_whose_other_parameters_are_the_same_but_for_a_learned_null() {
+    fn it_is_for_a_drive_whose_other_parameters_are_the_same_but_for_what_was_learned() {
         let parameters = RigParameters::default();
         let left = Unreturned {
             program: 1,
@@ -263,6 +265,7 @@ mod tests {
         };
         assert!(left.is_of(&parameters));
         assert!(left.is_of(&with(id::OPEN_LOOP, 1)) && left.is_of(&with(id::NULL_OFFSET_COUNTS, 5)));
+        assert!(left.is_of(&with(id::KEPT_MASS, 70_000)));
         assert!(!left.is_of(&with(id::PERIOD_US, 2000)), "somebody has set it since");
         assert_eq!(left.differing(&with(id::OPEN_LOOP, 1)), [(id::OPEN_LOOP, 0)]);
         assert!(left.is_in_force(1) && !left.is_in_force(2));

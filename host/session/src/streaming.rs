@@ -33,6 +33,8 @@ pub struct Streamed {
 pub(crate) struct Streaming {
     file: StreamFile,
     path: PathBuf,
+    test: String,
+    parameters: RigParameters,
 }
 
 impl Streaming {
@@ -57,7 +59,18 @@ impl Streaming {
         let (info, moves) = (client.info()?, client.test()?);
         let file = StreamFile::create(&to.path, test, to.every, &info, parameters, &moves)?;
         begin(client, parameters, to.every)?;
-        Ok(Streaming { file, path: to.path.clone() })
+        let (path, test, parameters) = (to.path.clone(), test.to_owned(), parameters.clone());
+        Ok(Streaming { file, path, test, parameters })
+    }
+
+    /// The drive is armed, by which what its last run learned became parameters: the header gets them.
+    pub(crate) fn renew(&mut self, client: &mut Client) -> Result<()> {
+        let parameters = client.parameters()?;
+        if parameters != self.parameters {
+            self.file.describe_again(&self.test, &client.info()?, &parameters, &client.test()?)?;
+            self.parameters = parameters;
+        }
+        Ok(())
     }
 
     /// Takes the next sample.

@@ -7,7 +7,7 @@ use crate::firmware_notes::{report_armed, report_boots, report_missing};
 use crate::streaming::{Streamed, Streaming, ToFile};
 use anyhow::{Result, bail};
 use pneudrive_controller::law::Loop;
-use pneudrive_controller::parameters::id;
+use pneudrive_controller::parameters::{LEARNED, id};
 use pneudrive_controller::{Config, Parameters};
 use pneudrive_link::client::Client;
 use pneudrive_link::failure::Failure;
@@ -94,7 +94,8 @@ impl Prepared<'_> {
         progressed: impl FnMut(&Status),
     ) -> RunOutcome {
         let mut stream = self.stream;
-        let started = start(client, self.rig, interrupted);
+        let mut armed = |client: &mut Client| stream.as_mut().map_or(Ok(()), |stream| stream.renew(client));
+        let started = start_armed(client, self.rig, interrupted, &mut armed);
         let ended = started.and_then(|()| match &mut stream {
             None => client.follow(ends, progressed),
             Some(stream) => {
@@ -158,8 +159,19 @@ pub fn prepare(
 /// # Errors
 /// When the rig refuses, or `interrupted` says so.
 pub fn start(client: &mut Client, rig: &Rig, interrupted: &mut Interrupted<'_>) -> Result<()> {
+    start_armed(client, rig, interrupted, &mut |_| Ok(()))
+}
+
+/// The same; `armed` is called once the drive has taken over what its last run learned.
+fn start_armed(
+    client: &mut Client,
+    rig: &Rig,
+    interrupted: &mut Interrupted<'_>,
+    armed: &mut dyn FnMut(&mut Client) -> Result<()>,
+) -> Result<()> {
     report_armed(&client.arm()?);
-    let ready = wait_for_null(client, rig, interrupted)
+    let ready = armed(client)
+        .and_then(|()| wait_for_null(client, rig, interrupted))
         .and_then(|()| wait_for_samples_before(client, rig, interrupted));
     if let Err(error) = ready.and_then(|()| client.start()) {
         let error = tripped_before(&client.status()?).unwrap_or(error);
@@ -332,6 +344,9 @@ fn is_no_soft_limit(id: u16, in_file: i32) -> bool {
     [(id::END_MIN_COUNTS, -i32::MAX), (id::END_MAX_COUNTS, i32::MAX)].contains(&(id, in_file))
 }
 
+/// The parameters that a rig file has no key for: what the drive has learned.
+const KEPT: &[u16] = LEARNED.split_at(1).1;
+
 /// Notes which parameters of the rig differ from the file: the run uses those of the rig. A different loop or period
 /// is refused, because the moves would mean something else.
 fn compare_parameters(rig: &Parameters, file: &Parameters, name: &str) -> Result<()> {
@@ -350,7 +365,7 @@ fn compare_parameters(rig: &Parameters, file: &Parameters, name: &str) -> Result
     let differences: Vec<String> = rig
         .iter()
         .zip(file.iter())
-        .filter(|((_, on_rig), (_, in_file))| on_rig != in_file)
+        .filter(|((id, on_rig), (_, in_file))| on_rig != in_file && !KEPT.contains(id))
         .filter(|(_, (id, in_file))| !is_no_soft_limit(*id, *in_file))
         .map(|((id, on_rig), (_, in_file))| in_both(id, on_rig, in_file))
         .collect();
@@ -366,6 +381,7 @@ fn compare_parameters(rig: &Parameters, file: &Parameters, name: &str) -> Result
 
 #[cfg(test)]
 mod tests {
+    use pneudrive_records::target::TargetFile;
     use pneudrive_rigs::virtual_rig::{Background, Listener, Pace, VirtualRig};
 
     use super::*;
@@ -380,5 +396,27 @@ mod tests {
         let mut stopped = || Client::connect(served.port())?.stop();
         let error = start(&mut client, &rig, &mut stopped).expect_err("it does not run");
         assert!(format!("{error:#}").contains("tripped before the start: stop"), "{error:#}");
+    }
+
+    /// It was written before the drive was armed, and had the parameters of the run before.
+    #[test]
+    fn the_header_of_a_streamed_run_has_what_the_runs_before_have_learned() {
+        let rig = Rig::builtin("press").expect("a built-in rig");
+        let settings = ["controller.adapt=kept", "test.duration_s=0.6"].map(str::to_owned);
+        let rig = rig.with_settings(&settings).expect("valid");
+        let served = VirtualRig::new(rig.clone(), 1, Pace { fast: true, live: false }).expect("a rig");
+        let served = Background::start(served, Listener::open("tcp:127.0.0.1:0").expect("a port"));
+        let mut client = Client::connect(served.port()).expect("it answers");
+        let folder = tempfile::tempdir().expect("a folder");
+        for armings in ["0", "1", "2"] {
+            let path = folder.path().join(armings);
+            let to = ToFile { path: path.clone(), every: 1 };
+            let prepared = TestRun::of(&rig).prepare(&mut client, Some(&to)).expect("its own test");
+            let ran = prepared.run(&mut client, &AtomicBool::new(false), &mut || Ok(()), |_| {});
+            assert_eq!(ran.ended.expect("it ends"), Mode::Done);
+            let file = TargetFile::read(&path).expect("a whole file");
+            assert_eq!(file.get("param.kept_armings"), Some(armings));
+            assert_eq!(file.samples.len() as u64, ran.streamed.expect("a file").samples);
+        }
     }
 }

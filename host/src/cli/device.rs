@@ -71,6 +71,15 @@ pub enum DeviceAction {
     Valve(ValveAction),
     /// Show the fault log, newest first
     Faults,
+    /// Show what the drive keeps of what its law has learned (controller.adapt), or forget it
+    Learned {
+        /// The rig file of the drive: masses in kg and forces in N instead of parts of what the file says
+        #[arg(long)]
+        rig: Option<String>,
+        /// Begin afresh, also after a reset. The drive must be disarmed
+        #[arg(long)]
+        forget: bool,
+    },
     /// Read, change, store, export and import the controller's parameters
     #[command(subcommand)]
     Config(ConfigAction),

@@ -4,6 +4,7 @@ mod bring_up;
 mod by_hand;
 mod config;
 mod io;
+mod learned;
 mod records;
 mod units;
 mod valve;
@@ -54,6 +55,7 @@ pub(super) fn execute(arguments: &Device) -> Result<()> {
         DeviceAction::Jog { by_mm, rig } => by_hand::jog(&mut client, rig, *by_mm),
         DeviceAction::Valve(action) => valve::execute(&mut client, *action),
         DeviceAction::Faults => faults(&mut client, arguments.counts),
+        DeviceAction::Learned { rig, forget } => learned::execute(&mut client, rig.as_deref(), *forget),
         DeviceAction::Config(action) => config::execute(&mut client, action),
         DeviceAction::Io { settings } => io::execute(&mut client, settings),
         DeviceAction::Records(action) => records::execute(&mut client, action, arguments.counts),
@@ -258,6 +260,11 @@ fn status(client: &mut Client, counts: bool) -> Result<()> {
     say!("mode        {mode}");
     say!("referenced  {}", if status.referenced { "yes" } else { "no" });
     say!("moves       {}", moves(&motion));
+    let changed = client.parameters().ok().and_then(|parameters| learned::changed(&parameters));
+    json::figures(|| json!({ "learned_changed": changed.map(|(word, _)| word) }));
+    if let Some((_, advice)) = changed {
+        say!("learned     {advice}");
+    }
     let owner = client.owner()?;
     json::figures(|| json!({ "owner": (owner.presence == Presence::There).then_some(&owner.host) }));
     say!("owner       {}", words_of(&owner));

@@ -75,6 +75,7 @@ pub const FIGURES: &[Figures] = &[
     figures(&["device home"], &[drives::PLACE]),
     figures(&["device go", "device jog"], &[drives::MOVED, drives::PLACE]),
     figures(&["device faults"], &[drives::FAULTS]),
+    figures(&["device learned"], &[drives::LEARNED]),
     figures(&["device config get", "device config set"], &[drives::PARAMETERS]),
     figures(&["device records show", "device records set"], &[drives::RECORDS]),
     figures(&["device bring-up"], &[drives::CHECKS]),

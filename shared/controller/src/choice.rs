@@ -77,6 +77,16 @@ words! {
 }
 
 words! {
+    /// What a law that learns its drive begins with when it is armed.
+    pub enum Adapt {
+        /// What the rig file says.
+        Afresh = "afresh",
+        /// What the runs before have learned.
+        Kept = "kept",
+    }
+}
+
+words! {
     /// Where the homing run ends.
     pub enum HomingKind {
         /// At a mechanical stop.

@@ -51,6 +51,17 @@ pub struct LawConfig {
     pub largest: i16,
 }
 
+impl LawConfig {
+    /// Takes over what an arming has learned: in all else the other one is the same.
+    pub fn learn(&mut self, learned: &LawConfig) {
+        self.null_offset = learned.null_offset;
+        if let (Settings::Cascade(own), Settings::Cascade(learned)) = (&mut self.settings, &learned.settings)
+        {
+            own.learn(learned);
+        }
+    }
+}
+
 /// The gain of the law in force on pressures.
 pub(crate) fn pressure_gain(parameters: &Parameters) -> u16 {
     parameters.scalar(match Law::of(parameters.scalar(id::LAW)) {

@@ -7,7 +7,21 @@
 #[macro_use]
 mod table;
 
-use crate::choice::{EncoderKind, HomingKind, Law, Loop};
+use crate::choice::{Adapt, EncoderKind, HomingKind, Law, Loop};
+
+/// The parameters that arming makes of what the last run has learned.
+pub const LEARNED: [u16; 10] = [
+    id::NULL_OFFSET_COUNTS,
+    id::KEPT_MASS,
+    id::KEPT_FRICTION,
+    id::KEPT_FORCE,
+    id::KEPT_VISCOUS,
+    id::KEPT_PACE,
+    id::KEPT_LOOSENESS,
+    id::KEPT_ARMINGS,
+    id::KEPT_AT_BOUND,
+    id::KEPT_CHANGED,
+];
 
 /// Entries of the gain profile (thesis 6.3.3).
 pub const PROFILE_LEN: usize = 256;
@@ -153,8 +167,8 @@ const GAIN_PROFILE: Parameter = Parameter {
 
 const SCALARS: usize = LINES.len();
 
-/// Scalars in the order of their ids (id - 1 is the place), then the gain profile.
-const IN_ORDER: [Parameter; SCALARS + 1] = {
+/// All parameters, scalars in the order of their ids (id - 1 is the place), then the gain profile.
+pub static TABLE: [Parameter; SCALARS + 1] = {
     let mut table = [GAIN_PROFILE; SCALARS + 1];
     let mut line = 0;
     while line < SCALARS {
@@ -163,9 +177,6 @@ const IN_ORDER: [Parameter; SCALARS + 1] = {
     }
     table
 };
-
-/// All parameters, scalars in the order of their ids (id - 1 is the place), then the gain profile.
-pub static TABLE: [Parameter; SCALARS + 1] = IN_ORDER;
 
 /// What a board needs of a line.
 #[derive(Clone, Copy)]
@@ -180,7 +191,7 @@ static RANGES: [Range; SCALARS + 1] = {
     let mut ranges = [Range { min: 0, max: 0, default: 0 }; SCALARS + 1];
     let mut place = 0;
     while place <= SCALARS {
-        let Parameter { min, max, default, .. } = IN_ORDER[place];
+        let Parameter { min, max, default, .. } = TABLE[place];
         ranges[place] = Range { min, max, default };
         place += 1;
     }
@@ -214,7 +225,7 @@ pub fn lookup(id: u16) -> Option<&'static Parameter> {
 /// When there is none: the constant is not made then.
 #[must_use]
 pub const fn line(id: u16) -> Parameter {
-    if id == id::GAIN_PROFILE { GAIN_PROFILE } else { IN_ORDER[id as usize - 1] }
+    if id == id::GAIN_PROFILE { GAIN_PROFILE } else { TABLE[id as usize - 1] }
 }
 
 /// The line of the table with a name.

@@ -4,7 +4,8 @@ use crate::config::Config;
 use crate::drive::SpoolLocation;
 use crate::estimator::Estimator;
 use crate::homing::Homing;
-use crate::law::{LawConfig, Loop, Running};
+use crate::law::cascade::kept::Kept;
+use crate::law::{LawConfig, Loop, Running, Settings};
 use crate::learning::NullOffset;
 use crate::sequence::Sequence;
 use crate::sequencer::Sequencer;
@@ -116,6 +117,27 @@ impl State {
     /// Forgets the learned offset, which has become part of the parameters.
     pub fn forget_null_offset(&mut self) {
         self.null_offset = NullOffset::default();
+    }
+
+    /// What the next run is to begin with, by what the last one has learned; None: nothing is kept, or none has run since
+    /// [`State::forget_run`].
+    #[must_use]
+    pub fn kept(&self, config: &Config) -> Option<Kept> {
+        let fault = match self.supervisor.mode() {
+            Mode::Fault(fault) => Some(fault),
+            _ => None,
+        };
+        match (&self.law, &config.law.settings) {
+            (Running::Cascade(law), Settings::Cascade(settings)) => law.keep(settings, fault),
+            _ => None,
+        }
+    }
+
+    /// The last run has told what is kept of it.
+    pub fn forget_run(&mut self) {
+        if let Running::Cascade(law) = &mut self.law {
+            law.leave();
+        }
     }
 
     /// The law that runs, or ran last, with what it remembers.

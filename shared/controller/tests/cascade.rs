@@ -1,6 +1,7 @@
 //! The law "cascade" with any model of a drive, on any samples: it neither overflows nor leaves its bounds. That it positions a drive is
 //! shown on the twin, `sim/tests/cascade.rs`. On recorded samples it is held to its equations in real numbers, and to its bits.
 
+mod kept;
 mod oracle;
 mod record;
 
@@ -81,11 +82,14 @@ fn no_model_and_no_samples_make_it_overflow_or_leave_its_bounds() {
     for _ in 0..400 {
         let mut changes = WIDE.to_vec();
         changes.extend([(id::LAW, Law::Cascade as i32), (id::SENSOR_HIGH_RAW, 32_767)]);
-        for line in TABLE.iter().filter(|line| line.name.starts_with("cascade_")) {
+        for line in
+            TABLE.iter().filter(|line| ["cascade_", "kept_"].iter().any(|start| line.name.starts_with(start)))
+        {
             let value =
                 if draws.next().is_multiple_of(2) { line.default } else { draws.within(line.min, line.max) };
             changes.push((line.id, if line.id == id::CASCADE_STROKE { value.max(1) } else { value }));
         }
+        changes.push((id::ADAPT, (draws.next() % 2) as i32));
         changes.push((id::PERIOD_US, [200, 1000, 1300, 100_000][(draws.next() % 4) as usize]));
         changes.extend([
             (id::DELAY_US, 50),

@@ -1,7 +1,7 @@
 //! The controller's part of a rig file. Its law is the crate `pneudrive-controller`, whose table of parameters has most of
 //! its keys; [`crate::rig`] makes the parameters of them.
 
-pub use pneudrive_controller::choice::{HomingKind, Law, Loop};
+pub use pneudrive_controller::choice::{Adapt, HomingKind, Law, Loop};
 use pneudrive_controller::parameter_table;
 use pneudrive_controller::parameters::{DEFAULT_PROFILE, Parameter, id, line};
 

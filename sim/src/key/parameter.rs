@@ -1,7 +1,7 @@
 //! Keys that set a parameter of the controller by themselves: all that is known of one stands in its line of the controller's
 //! table.
 
-use pneudrive_controller::choice::{EncoderKind, HomingKind, Law, Loop};
+use pneudrive_controller::choice::{Adapt, EncoderKind, HomingKind, Law, Loop};
 use pneudrive_controller::parameters::{Parameter, line};
 
 use super::{Choice, Kind, Preset, Typed};
@@ -95,7 +95,7 @@ macro_rules! choices {
     )+};
 }
 
-choices! { Law Loop HomingKind EncoderKind }
+choices! { Adapt Law Loop HomingKind EncoderKind }
 
 const fn built<const N: usize>(words: &[&'static str]) -> [(&'static str, bool); N] {
     let mut built = [("", true); N];

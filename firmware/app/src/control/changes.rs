@@ -68,7 +68,7 @@ impl<R: BorrowMut<Recorder>> Control<R> {
     }
 
     /// A new meaning of counts takes the reference with it, a new timing, loop or drive stage the moves,
-    /// and a record is not to be read with parameters that it was not taken with.
+    /// and a record is not to be read with parameters that it was not taken with. Nor is kept what the law has learned with others.
     fn forget_what_depends(&mut self, changed: &Parameters, config: &Config) {
         let encoder = |p: &Parameters| {
             (p.get(id::ENCODER_PM_PER_COUNT), p.get(id::ENCODER_INVERTED), p.absolute_zero())
@@ -82,6 +82,7 @@ impl<R: BorrowMut<Recorder>> Control<R> {
         }
         if changed != self.parameters() {
             self.recorder.borrow_mut().empty();
+            self.state.forget_run();
         }
     }
 

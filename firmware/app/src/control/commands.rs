@@ -3,6 +3,7 @@
 use core::borrow::BorrowMut;
 
 use pneudrive_controller::drive::MAX_COUNTS;
+use pneudrive_controller::law::cascade::kept::Kept;
 use pneudrive_controller::parameters::id;
 use pneudrive_controller::{Fault, Mode, Parameters, Refusal};
 use pneudrive_protocol::session::NOBODY;
@@ -15,7 +16,7 @@ use crate::recorder::Recorder;
 
 impl<R: BorrowMut<Recorder>> Control<R> {
     /// Enables the drive with the valve at null, and empties the recorder; nobody owns it.
-    /// What the last run has learned of the valve's null becomes part of the parameters, and of those that are stored:
+    /// What the last run has learned becomes part of the parameters, and of those that are stored:
     /// at once if the drive rests, else after it has come to rest ([`Control::tidy_up`]).
     ///
     /// # Errors
@@ -49,6 +50,7 @@ impl<R: BorrowMut<Recorder>> Control<R> {
             self.learn(learned, board);
         }
         self.state.arm(self.configuration.config())?;
+        self.state.forget_run();
         if !self.state.supervisor.is_referenced() {
             self.locate();
         }
@@ -61,22 +63,28 @@ impl<R: BorrowMut<Recorder>> Control<R> {
         Ok(())
     }
 
-    /// The parameters with the learned null offset of the last run, so that the next run starts from there. None if
-    /// nothing was learned, and while a run is on: a record is read with the parameters that it was taken with.
+    /// The parameters with what the last run has learned of the valve's null, and the law of its drive, so that the next run starts
+    /// from there. None if nothing was learned, and while a run is on: a record is read with the parameters that it was taken with.
     #[must_use]
     pub(crate) fn learned_parameters(&self) -> Option<Parameters> {
-        let learned = self.state.learned_null_offset();
-        if learned == 0 || matches!(self.state.supervisor.mode(), Mode::Running | Mode::Homing) {
+        if matches!(self.state.supervisor.mode(), Mode::Running | Mode::Homing) {
+            return None;
+        }
+        let (learned, kept) = (self.state.learned_null_offset(), self.state.kept(self.config()));
+        if learned == 0 && kept.is_none() {
             return None;
         }
         let largest = i32::from(MAX_COUNTS);
         let mut changed = self.parameters().clone();
         let old = changed.get(id::NULL_OFFSET_COUNTS).unwrap_or(0);
         let new = old.saturating_add(learned).clamp(-largest, largest);
-        changed.set(id::NULL_OFFSET_COUNTS, new).ok().map(|()| changed)
+        for (id, value) in kept.iter().flat_map(Kept::values).chain([(id::NULL_OFFSET_COUNTS, new)]) {
+            changed.set(id, value).ok()?;
+        }
+        Some(changed)
     }
 
-    /// Puts the learned offset in force, and stores it at once if the drive rests.
+    /// Puts what was learned in force, and stores it at once if the drive rests.
     fn learn(&mut self, learned: &Prepared, board: &mut impl Board) {
         self.configuration.learn(learned);
         self.state.forget_null_offset();

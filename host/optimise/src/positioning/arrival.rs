@@ -10,6 +10,8 @@
 //! The target is the middle of the count that the step leads to.
 
 use pneudrive_evaluate::evaluation::LimitCycle;
+use pneudrive_records::words::fault_name;
+use pneudrive_sim::Run;
 
 /// How near to its target a step may end, mm.
 pub const BANDS_MM: [f64; 3] = [1.0, 0.2, 0.05];
@@ -61,6 +63,14 @@ impl Arrival {
     #[must_use]
     pub fn moves(&self) -> bool {
         self.range_mm > STILL_MM
+    }
+}
+
+/// Whether a run has come to its end; otherwise the fault that ended it.
+pub(super) fn to_its_end(run: &Run) -> Result<(), String> {
+    match run.fault {
+        Some((fault, k)) => Err(format!("{} at sample {k}", fault_name(fault))),
+        None => Ok(()),
     }
 }
 

@@ -159,6 +159,9 @@ class Controller(Table):
     def exit_on_dead_band(self) -> bool:
         """Whether a target also ends when it has arrived: tolerance_counts, monitoring_s, dwell_s; with test.targets."""
     @property
+    def adapt(self) -> str:
+        """What the law begins with at each arming: what the rig file says, or what the runs before have learned of load and valve."""
+    @property
     def tolerance_counts(self) -> int:
         """A move has arrived inside this error; without it that of dead_band_counts, if there is one, counts."""
     @property
@@ -829,6 +832,7 @@ class RigKeys(TypedDict, total=False):
     controller__null_offset_counts: int
     controller__forced_exit_s: float
     controller__exit_on_dead_band: bool
+    controller__adapt: str
     controller__tolerance_counts: int
     controller__monitoring_s: float
     controller__dwell_s: float

@@ -63,7 +63,7 @@ fn the_text_is_the_fixed_format() {
     assert!(text.starts_with(expected_start), "{text}");
     let expected_end = "\
 # param.gain_profile = 8192,6144,4096,2048,1280,768,512,384,320,288,256
-# crc32 = 2539e5ce
+# crc32 = df7b9f48
 index,position_counts,pressure_1_raw,pressure_2_raw,dac_counts,error_counts,spool_raw
 -3,8192,1332,1638,-3,5,2047
 -1,8193,1332,1638,-3,5,2047

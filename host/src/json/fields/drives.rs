@@ -40,6 +40,7 @@ pub(super) const MONITOR: &[Field] = fields! {
 pub(super) const STATUS: &[Field] = fields! {
     "duration_samples": "integer or null", "length of the run; null until stopped";
     "moves": "any", "whether it is `homing`, moves that have `begun` and were `not_reached`, `learned_null_offset_counts`";
+    "learned_changed": "text or null, optional", "as `changed` of `device learned`";
     "owner": "text or null, optional", "which program commands the drive";
 };
 
@@ -68,6 +69,19 @@ pub(super) const ENCODER_ZERO: &[Field] = fields! {
 /// Of `device go` and `device jog`.
 pub(super) const MOVED: &[Field] = fields! {
     "from_mm": "number", "where the axis stood";
+};
+
+/// Of `device learned`.
+pub(super) const LEARNED: &[Field] = fields! {
+    "adapt": "text", "`afresh`: each arming begins with the rig file; `kept`: with these";
+    "armings": "integer", "that have carried it on since the drive began afresh";
+    "changed": "text or null", "why it began afresh of late: `at-bound`, `jumped` or `tripped`";
+    "mass_ratio, friction_ratio, lag_ratio": "number", "over what the rig file says";
+    "viscous_ratio": "number", "the same";
+    "force_stictions": "number", "constant force against extension beyond that of the rig file, in stictions";
+    "looseness": "integer", "how often the distance at which the load may rest was doubled";
+    "lag_ms": "number", "lag of the valve";
+    "mass_kg, force_n": "number or null", "moved mass, and that force; null without `--rig`";
 };
 
 /// Of `device faults`.

@@ -15,6 +15,7 @@
 //! | [`trajectory`] | from any motion to rest at a target, or from a deviation to a profile |
 //! | [`force`] | the rate of the force that keeps the load on its trajectory |
 //! | `begin`, [`rest`] | how a run begins; when a load rests, and the force that holds it |
+//! | [`kept`] | what is kept of what a run has learned, for the next one |
 //! | [`sensor`] | the force that pressure sensors with a lag do not show yet |
 //! | [`valve`] | the command for that rate |
 //! | `land`, `tubes` | how far a land before a port opens, and what tubes leave of the flow |
@@ -39,6 +40,7 @@ mod begin;
 pub mod doubt;
 pub mod flow;
 pub mod force;
+pub mod kept;
 pub mod known;
 pub mod lag;
 mod land;

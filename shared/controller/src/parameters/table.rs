@@ -45,6 +45,7 @@ macro_rules! parameter_table {
                 14 NULL_OFFSET_COUNTS "null_offset_counts" "counts" [-COMMAND_MAX, COMMAND_MAX, 0] (Whole) "8.2.3" "Command at which the valve is at its null; added to the demand.";
                 37 FORCED_EXIT_US "forced_exit_us" "us" [1000, TIME_MAX, 1_420_000] (FORCED_EXIT_S "forced_exit_s" Scaled(6)) "C(31)" "Time for each of test.targets.";
                 38 ON_ARRIVAL "on_arrival" "" [0, 1, 0] (EXIT_ON_DEAD_BAND "exit_on_dead_band" Switch) "L(11)" "Whether a target also ends when it has arrived: tolerance_counts, monitoring_s, dwell_s; with test.targets.";
+               128 ADAPT "adapt" "" [0, 1, 0] (Words(Adapt)) "8.4, 9.3" "What the law begins with at each arming: what the rig file says, or what the runs before have learned of load and valve." only Cascade;
                 34 TOLERANCE_COUNTS "tolerance_counts" "counts" [0, COUNT_MAX, 8] (Whole) "C(27)" "A move has arrived inside this error; without it that of dead_band_counts, if there is one.";
                 35 MONITORING_US "monitoring_us" "us" [0, TIME_MAX, 0] (MONITORING_S "monitoring_s" Scaled(6)) "" "Exact stop: time inside the tolerance after which a move has arrived. 0: fast stop, at the first sample inside.";
                 36 DWELL_US "dwell_us" "us" [0, TIME_MAX, 0] (DWELL_S "dwell_s" Scaled(6)) "" "From the arrival at a target to the next one.";
@@ -156,6 +157,15 @@ macro_rules! parameter_table {
                125 CASCADE_TUBE_SUPPLY_SLIGHT "cascade_tube_supply_slight" "" [0, SPOOL_MAX, 0] () "" "Of the law cascade: open path from the supply over the flow of its tubes by a part of the pressure, in 2^-16; 0: there are none." only Cascade;
                126 CASCADE_TUBE_EXHAUST_CHOKED "cascade_tube_exhaust_choked" "" [0, SPOOL_MAX, 0] () "" "Of the law cascade: open path to the exhaust over the flow of its tube from a high pressure, in 2^-16." only Cascade;
                127 CASCADE_TUBE_EXHAUST_SLIGHT "cascade_tube_exhaust_slight" "" [0, SPOOL_MAX, 0] () "" "Of the law cascade: open path to the exhaust over the flow of its tube by a part of the pressure, in 2^-16; 0: there is none." only Cascade;
+               129 KEPT_MASS "kept_mass" "" [16_384, 163_840, 65_536] () "" "Kept of what the law cascade has learned: moved mass over that of the rig file, in 2^-16." only Cascade;
+               130 KEPT_FRICTION "kept_friction" "" [19_661, 131_072, 65_536] () "" "Kept of what the law cascade has learned: friction in motion over that of the rig file, in 2^-16." only Cascade;
+               131 KEPT_FORCE "kept_force" "" [-134_217_728, 134_217_728, 0] () "" "Kept of what the law cascade has learned: constant force against extension beyond that of the rig file, in 2^-24 of the stiction." only Cascade;
+               132 KEPT_VISCOUS "kept_viscous" "" [-16_777_216, 67_108_864, 0] () "" "Kept of what the law cascade has learned: what viscous friction is larger by than in the rig file, in 2^-24 of that." only Cascade;
+               133 KEPT_PACE "kept_pace" "" [32_768, 196_608, 65_536] () "" "Kept of what the law cascade has learned: lag of the valve over that of the rig file, in 2^-16." only Cascade;
+               134 KEPT_LOOSENESS "kept_looseness" "" [0, 4, 0] () "" "Kept of what the law cascade has learned: how often the distance at which the load may rest was doubled." only Cascade;
+               135 KEPT_ARMINGS "kept_armings" "" [0, 65_535, 0] () "" "Armings that have carried on what the law cascade has learned." only Cascade;
+               136 KEPT_AT_BOUND "kept_at_bound" "" [0, 3, 0] () "" "Runs in a row that ended with something at the bound of what the law cascade can learn." only Cascade;
+               137 KEPT_CHANGED "kept_changed" "" [0, 3, 0] () "" "Why the law cascade began afresh of late. 0: it did not. 1: what it learned stayed at a bound. 2: a run found another drive than the one before. 3: a run tripped." only Cascade;
             }
         }
     };

@@ -28,6 +28,7 @@ pub struct Row {
     pub command: i16,
 }
 
+#[derive(Clone)]
 pub struct Record {
     pub parameters: Parameters,
     pub rows: Vec<Row>,

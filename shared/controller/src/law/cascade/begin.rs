@@ -2,11 +2,13 @@
 
 use super::doubt::Doubt;
 use super::flow::Flow;
+use super::kept::{Kept, Learned};
 use super::lag::Lag;
 use super::load::Load;
 use super::motion::Motion;
 use super::number::within;
 use super::{Cascade, Phase, Settings};
+use crate::fault::Fault;
 use crate::law::Reference;
 
 /// How far a run has begun.
@@ -23,10 +25,12 @@ pub(super) enum Begun {
 impl Cascade {
     /// The first sample: the load is at rest, and held by the force of the pressures.
     pub(super) fn begin_at(&mut self, settings: &Settings, count: i32, force: i32) {
-        self.load = Load::new(&settings.load);
+        let Learned { looseness, .. } = settings.kept.learned;
+        self.load = Load::new(&settings.load, &settings.kept.learned);
         self.motion = Motion::new(count, force, &self.load, settings.load.stiction);
         self.flow = Flow::new(force);
-        self.lag = Lag::new(&settings.lag);
+        self.lag = Lag::new(&settings.lag, &settings.kept.learned);
+        self.rest.looseness = looseness.unsigned_abs();
         self.doubt = Doubt::new(force);
         (self.begun, self.target) = (Begun::Once, count);
         self.rest.begin(count);
@@ -45,11 +49,31 @@ impl Cascade {
         if step.unsigned_abs() < 2 || speed.saturating_abs() < settings.moving {
             return;
         }
-        self.load = Load::in_motion(&settings.load, step, force);
+        self.load = Load::in_motion(&settings.load, &settings.kept.learned, step, force);
         self.motion = Motion::going(count, step, force, &self.load);
         self.flow = Flow::new(force);
-        self.lag = Lag::new(&settings.lag);
+        self.lag = Lag::new(&settings.lag, &settings.kept.learned);
         self.target = count.saturating_add(reference.error);
         self.set_off(settings, force);
+    }
+    /// What it has learned up to now; what the rig file says before the first sample.
+    #[must_use]
+    pub fn learned(&self) -> Learned {
+        let [force, viscous] = self.load.forces();
+        let (mass, friction, pace) = (self.load.mass, self.load.friction, self.lag.pace);
+        let looseness = self.rest.looseness.min(4) as i32;
+        Learned { mass, friction, force, viscous, pace, looseness }.bounded()
+    }
+
+    /// What is kept at the arming behind this run, with the fault that the drive is in; None: nothing, or it has not run.
+    pub(crate) fn keep(&self, settings: &Settings, fault: Option<Fault>) -> Option<Kept> {
+        let is_at_bound = self.load.is_at_bound() || self.lag.is_at_bound();
+        let has_run = settings.keeps && self.begun != Begun::No;
+        has_run.then(|| settings.kept.after(self.learned(), is_at_bound, fault))
+    }
+
+    /// What this run has learned is kept, or not: it is not asked for again.
+    pub(crate) fn leave(&mut self) {
+        self.begun = Begun::No;
     }
 }

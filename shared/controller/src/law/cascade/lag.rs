@@ -17,6 +17,7 @@
 //! | s, L | Q24 of 0.1 and of 1 ms | -8 to 8, -4 to 4 |
 //! | pace, 1/pace, tau/tau' | Q16 | 0.5 to 3, 1/3 to 2, 1/3 to 2 |
 
+use super::kept::Learned;
 use super::number::{product, ratio, scaled};
 use super::squares::Squares;
 use crate::fixed::saturate;
@@ -121,9 +122,9 @@ impl Missed {
 }
 
 impl Lag {
-    /// As the rig file has it.
-    pub(super) fn new(constants: &Constants) -> Lag {
-        let mut lag = Lag::default();
+    /// With what is known of it.
+    pub(super) fn new(constants: &Constants, known: &Learned) -> Lag {
+        let mut lag = Lag { pace: known.pace.clamp(PACES[0], PACES[1]), ..Lag::default() };
         lag.take_over(constants);
         lag
     }

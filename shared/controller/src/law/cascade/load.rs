@@ -17,8 +17,10 @@
 //! | forces, M, s as they are used | Q24, Q16, Q16 | |
 //! | filters of speed, force and friction | Q16, Q24, Q24 | 2^14 counts a sample, saturated, 1 |
 
+use super::kept::Learned;
 use super::number::{ONE, product, ratio, scaled, within};
 use super::squares::Squares;
+use crate::fixed::saturate;
 use crate::parameters::{Parameters, id};
 
 /// 0.3 in Q16: the prior deviation of mass and friction.
@@ -152,17 +154,27 @@ fn pass(filter: &mut Filter, input: i32, pole: i32) -> i32 {
     before
 }
 
+/// A part of what the rig file says (Q16) in prior deviations from it, Q24.
+fn deviation(part: i32) -> i32 {
+    saturate(((i64::from(part) - (1 << 16)) << 24) / i64::from(SPREAD))
+}
+
 impl Load {
-    /// As the rig file has it.
-    pub(super) fn new(constants: &Constants) -> Load {
+    /// With what is known of it, as little certain as the rig file.
+    pub(super) fn new(constants: &Constants, known: &Learned) -> Load {
         let mut load = Load::default();
+        let Learned { mass, friction, force, viscous, .. } = *known;
+        let known = [deviation(mass), deviation(friction), force, viscous];
+        for ((unknown, known), &[low, high]) in load.squares.unknown.iter_mut().zip(known).zip(&BOUNDS) {
+            *unknown = known.min(high).max(low);
+        }
         load.take_over(constants);
         load
     }
 
     /// The same of a load that moves by this step under this force: nothing is learned before the filters have forgotten that they
     /// began with neither acceleration nor its force.
-    pub(super) fn in_motion(constants: &Constants, step: i32, force: i32) -> Load {
+    pub(super) fn in_motion(constants: &Constants, known: &Learned, step: i32, force: i32) -> Load {
         let slide = constants.coulomb(step.signum());
         Load {
             speed: [within(step, 1 << 14) << 16; 3],
@@ -170,8 +182,14 @@ impl Load {
             rubbed: [slide; 3],
             left: LOST,
             runs: true,
-            ..Load::new(constants)
+            ..Load::new(constants, known)
         }
+    }
+
+    /// d and B as they are learned, in their deviations, Q24.
+    pub(super) fn forces(&self) -> [i32; 2] {
+        let [_, _, force, viscous] = self.squares.unknown;
+        [force, viscous]
     }
 
     /// Whether mass or standing force is at a bound.

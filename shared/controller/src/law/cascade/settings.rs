@@ -1,8 +1,10 @@
 //! What the law knows of its drive, by its parameters.
 
+use super::kept::Kept;
 use super::number::{product, samples};
 use super::trajectory::Limits;
 use super::{air, doubt, flow, force, lag, load, motion, rest, sensor, valve};
+use crate::choice::Adapt;
 use crate::fixed::quotient;
 use crate::parameters::{Parameters, id};
 
@@ -29,6 +31,9 @@ pub struct Settings {
     pub(super) fast: i32,
     /// 0.5 mm, counts: a load that is so near to an end of the stroke may press on it.
     pub(super) near_end: i32,
+    /// Whether a run begins with what the last one learned, and that; otherwise what the rig file says.
+    pub(super) keeps: bool,
+    pub(super) kept: Kept,
 }
 
 impl Settings {
@@ -41,6 +46,7 @@ impl Settings {
         let air = air::Constants::of(parameters);
         let load = load::Constants::of(parameters, period_us, speed);
         let dead_time = get(id::CASCADE_DEAD_TIME).unsigned_abs();
+        let keeps = Adapt::of(get(id::ADAPT)) == Adapt::Kept;
         Settings {
             motion: motion::Constants::of(parameters, &load, period_us, speed),
             flow: flow::Constants::of(parameters),
@@ -60,9 +66,22 @@ impl Settings {
             moving: product(speed, 1311, 16),
             fast: product(speed, 6554, 16),
             near_end: quotient(500_000_000, count_pm) as i32,
+            keeps,
+            kept: if keeps { Kept::of(parameters) } else { Kept::default() },
             air,
             load,
         }
+    }
+
+    /// Takes over what is kept.
+    pub(crate) fn learn(&mut self, learned: &Settings) {
+        self.kept = learned.kept;
+    }
+
+    /// What a run begins with; as the rig file has it, unless something is kept.
+    #[must_use]
+    pub fn kept(&self) -> &Kept {
+        &self.kept
     }
 
     /// The limits of a trajectory about a place (counts) with a mass (1/M, Q16): the jerk is that of the flow at three fifths of the supply.
