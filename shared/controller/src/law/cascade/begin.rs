@@ -24,6 +24,8 @@ pub(super) enum Begun {
 
 impl Cascade {
     /// The first sample: the load is at rest, and held by the force of the pressures.
+    #[cold]
+    #[inline(never)]
     pub(super) fn begin_at(&mut self, settings: &Settings, count: i32, force: i32) {
         let Learned { looseness, .. } = settings.kept.learned;
         self.load = Load::new(&settings.load, &settings.kept.learned);
@@ -56,6 +58,7 @@ impl Cascade {
         self.target = count.saturating_add(reference.error);
         self.set_off(settings, force);
     }
+
     /// What it has learned up to now; what the rig file says before the first sample.
     #[must_use]
     pub fn learned(&self) -> Learned {
