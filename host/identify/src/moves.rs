@@ -69,6 +69,9 @@ const LEFT_OF_SPEED: f64 = 0.1;
 /// How far from the ends of the stroke the model stays until it has stopped, as a part of the stroke.
 pub const STOPS_FROM_END: f64 = 0.1;
 
+/// How far a load that starts nearer to an end may yield toward it, as a part of the stroke.
+const YIELDS: f64 = 1e-3;
+
 /// Parts of a stroke of the valve that are tried for that, the best first.
 const PARTS: [f64; 5] = [1.0, 0.8, 0.6, 0.45, 0.3];
 
@@ -147,7 +150,8 @@ pub fn test(rig: &Rig, position: f64, test: Test) -> Result<Planned> {
     let start = middle_of_count(rig, position);
     let rig = &rig.with_numbers(&[(keys::test::POSITION_M.path, start)])?;
     let stroke = rig.get(&keys::actuator::STROKE_M);
-    let inside = (STOPS_FROM_END * stroke).min(start)..=((1.0 - STOPS_FROM_END) * stroke).max(start);
+    let inside = (STOPS_FROM_END * stroke).min(start - YIELDS * stroke)
+        ..=((1.0 - STOPS_FROM_END) * stroke).max(start + YIELDS * stroke);
     for part in PARTS {
         let (planned, [low, high]) = part_of_test(rig, start, test, part)?;
         if inside.contains(&low) && inside.contains(&high) {

@@ -111,11 +111,15 @@ impl Parameter {
             |table: &[(&str, f64)]| table.iter().find(|(known, _)| *known == path).map(|(_, size)| *size);
         let range = rig.origin(key).range;
         let (scale, prior) = match known(&DIFFERENCES) {
-            Some(size) => (Scale::Difference(range.map_or(size, |range| size.max(deviation(range)))), 1.0),
+            Some(size) => {
+                let size = range.map_or(size, |range| size.max(deviation(range, start)));
+                (Scale::Difference(size), 1.0)
+            }
             None => {
                 let usual = known(&LOGARITHMS).unwrap_or(if key.vague { VAGUE } else { USUAL });
                 let logarithms = range.filter(|[low, _]| *low > 0.0).map(|range| range.map(f64::ln));
-                (Scale::Logarithm, logarithms.map_or(usual, |range| usual.max(deviation(range))))
+                let stated = logarithms.map(|range| deviation(range, start.ln()));
+                (Scale::Logarithm, stated.map_or(usual, |stated| usual.max(stated)))
             }
         };
         if matches!(scale, Scale::Logarithm) && start <= 0.0 {
@@ -223,16 +227,16 @@ impl Parameter {
     #[must_use]
     pub fn assumed_within(&self) -> String {
         match self.scale {
-            Scale::Difference(size) => format!("+-{size} {}", self.key.unit()),
+            Scale::Difference(size) => format!("+-{} {}", (1e4 * size).round() / 1e4, self.key.unit()),
             Scale::Logarithm if self.prior > 0.5 => format!("a factor of {:.1}", self.prior.exp()),
             Scale::Logarithm => format!("+-{:.0} %", 100.0 * self.prior),
         }
     }
 }
 
-/// Standard deviation of what lies anywhere in a range.
-fn deviation([low, high]: [f64; 2]) -> f64 {
-    (high - low) / 12f64.sqrt()
+/// Deviation (root mean square) of what lies anywhere in a range from a value in it.
+fn deviation([low, high]: [f64; 2], start: f64) -> f64 {
+    ((high - low) / 12f64.sqrt()).hypot(0.5 * (low + high) - start)
 }
 
 fn not_physical(path: &str) -> anyhow::Error {
@@ -349,7 +353,7 @@ mod tests {
     }
 
     #[test]
-    fn no_less_is_assumed_open_than_the_range_of_the_rig_file() {
+    fn no_less_is_assumed_open_than_anywhere_in_the_range_of_the_rig_file() {
         let spring = |value: &str| {
             Parameter::of(
                 &rig(&format!("[operator]\nspring_n_per_mm = {value}\n")),
@@ -359,6 +363,8 @@ mod tests {
         let prior = |value: &str| spring(value).expect("a number").prior;
         let wide = prior("{ unknown = 9.0, low = 3.0, high = 27.0, from = \"judgement\" }");
         assert!((wide - 9f64.ln() / 12f64.sqrt()).abs() < 1e-12, "{wide}");
+        let at_its_end = prior("{ unknown = 3.0, low = 3.0, high = 27.0, from = \"judgement\" }");
+        assert!((at_its_end - 9f64.ln() / 3f64.sqrt()).abs() < 1e-12, "{at_its_end}");
         assert_eq!(prior("{ unknown = 9.0, low = 8.9, high = 9.1, from = \"judgement\" }"), prior("9.0"));
     }
 

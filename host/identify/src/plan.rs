@@ -12,7 +12,7 @@ use pneudrive_sim::{Rig, keys};
 
 use super::moves::{self, Planned};
 pub use super::recording::NEEDS_PRESSURES;
-use super::recording::Recording;
+use super::recording::{NotAtRest, Recording};
 
 /// A rig that tests can be run on.
 pub trait TestRig {
@@ -114,7 +114,9 @@ pub fn check_direction(bench: &mut impl TestRig, open: &Rig, count: i32) -> Resu
 
 /// Where the piston stands, m.
 fn position_m(rig: &Rig, count: i32) -> f64 {
-    encoder::middle(rig, f64::from(count)) * 1e-3 * mm_per_count(rig)
+    // At its stop a piston may read a few counts beyond the stroke.
+    (encoder::middle(rig, f64::from(count)) * 1e-3 * mm_per_count(rig))
+        .clamp(0.0, rig.get(&keys::actuator::STROKE_M))
 }
 
 struct Plan<'a, B> {
@@ -186,7 +188,11 @@ impl<B: TestRig> Plan<'_, B> {
         self.return_to_the_start(test)?;
         let mut taken = self.record(test, take)?;
         for _ in 0..AGAIN {
-            let Err(error) = &taken else { break };
+            let Some(error) =
+                taken.as_ref().err().filter(|error| error.chain().any(|cause| cause.is::<NotAtRest>()))
+            else {
+                break;
+            };
             log::info!("{error:#}; it is run again once the air has come to rest");
             self.return_to_the_start(test)?;
             self.bench.settle()?;

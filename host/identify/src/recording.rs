@@ -2,6 +2,8 @@
 
 mod encoder;
 
+use std::error::Error;
+use std::fmt;
 use std::ops::Range;
 
 use anyhow::{Context, Result, anyhow, bail};
@@ -288,13 +290,24 @@ fn samples_at_rest(recorded: &[RecordedSample], counts: i32) -> Result<usize> {
         sample.position.abs_diff(first.position) <= counts.unsigned_abs() && sample.command == first.command
     };
     let rest = recorded.iter().take_while(rests).count();
-    if rest < FEWEST_AT_REST {
-        bail!(
-            "it begins with {rest} samples at rest under an unchanged command; a fit needs at least {FEWEST_AT_REST}, to know the noise and the state that it starts from"
-        );
-    }
-    Ok(rest)
+    if rest < FEWEST_AT_REST { Err(NotAtRest(rest).into()) } else { Ok(rest) }
 }
+
+/// A record that begins with so few samples at rest.
+#[derive(Debug)]
+pub(super) struct NotAtRest(usize);
+
+impl fmt::Display for NotAtRest {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "it begins with {} samples at rest under an unchanged command; a fit needs at least {FEWEST_AT_REST}, to know the noise and the state that it starts from",
+            self.0
+        )
+    }
+}
+
+impl Error for NotAtRest {}
 
 /// A measured period, and the period and delay that were asked for, us.
 fn timing(measured: f64, asked: i32, delay: i32) -> Result<Timing> {

@@ -318,7 +318,7 @@ fn residual_panel(
 /// # Errors
 /// When the text is not TOML.
 pub fn fitted(text: &str, settings: &[String], found: &Identification) -> Result<String> {
-    let mut document: DocumentMut = rig_text::with_settings(text, settings, "set by hand")?.parse()?;
+    let mut document: DocumentMut = rig_text::with_settings(text, settings, "set for the fit")?.parse()?;
     let mut set = |parameter: &Parameter, number: f64, comment: String| {
         let mut number = value(number);
         if let Some(number) = number.as_value_mut() {

@@ -26,13 +26,14 @@ pub fn with_settings(text: &str, settings: &[String], source: &str) -> Result<St
 const BEFORE: &str = "; before: ";
 
 /// The comments that this program writes on values.
-const OWN: [&str; 7] = [
+const OWN: [&str; 8] = [
     "given: set in the studio",
     "set for pneudrive tune",
     "found by pneudrive tune",
     "as without this line",
     "set in Python",
     "set by hand",
+    "set for the fit",
     "set when the FMU was made",
 ];
 
