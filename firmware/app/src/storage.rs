@@ -139,8 +139,13 @@ impl ConfigStore {
 /// are stored. Equal on every execution level for equal parameters of equal tables.
 #[must_use]
 pub fn configuration_hash(parameters: &Parameters) -> u32 {
+    hash_of(parameters.iter())
+}
+
+/// The same of some of them.
+pub(crate) fn hash_of(parameters: impl Iterator<Item = (u16, i32)>) -> u32 {
     let mut crc = RecordCrc::new();
-    parameters.iter().for_each(|pair| crc.update(&pair_bytes(pair)));
+    parameters.for_each(|pair| crc.update(&pair_bytes(pair)));
     crc.finish()
 }
 

@@ -2,7 +2,7 @@
 
 use pneudrive_controller::Parameters;
 use pneudrive_controller::law::cascade::kept::Kept;
-use pneudrive_controller::parameters::LEARNED;
+use pneudrive_controller::parameters::{KEPT, is_learned};
 use pneudrive_evaluate::replay::replay;
 use pneudrive_link::client::Client;
 use pneudrive_records::target::TargetFile;
@@ -56,7 +56,7 @@ pub fn each_run_begins_with_what_the_ones_before_have_learned(start: Start) {
 fn replays_afresh(client: &mut Client) -> bool {
     let info = client.info().expect("an answer");
     let mut parameters = client.parameters().expect("an answer");
-    for id in LEARNED {
+    for id in KEPT {
         let usual = Parameters::default().get(id).expect("in the table");
         parameters.values.set(id, usual).expect("in range");
     }
@@ -91,7 +91,7 @@ pub fn a_power_cut_while_it_is_stored_leaves_the_old_or_the_new(start: StartSupp
         assert_eq!((state.source, state.saved, state.ignored), (1, true, 0), "stored, and in force");
         let kept = Kept::of(&found);
         let mut others = found.iter().zip(old.iter()).filter(|(found, old)| found != old);
-        assert!(others.all(|((id, _), _)| LEARNED.contains(&id)), "{}: {nth}", target.name());
+        assert!(others.all(|((id, _), _)| is_learned(id)), "{}: {nth}", target.name());
         if armed && kept != Kept::default() {
             assert!(nth > MIN_OPERATIONS && kept.armings == 1, "{nth} is no operation of a save: {kept:?}");
             break;

@@ -7,7 +7,7 @@ use pneudrive_link::client::Client;
 use pneudrive_records::target::TargetFile;
 use pneudrive_session::borrowed::lend;
 use pneudrive_session::record::to_memory;
-use pneudrive_session::test_run::{TestRun, set_loop, wait_for_air, wait_for_rest};
+use pneudrive_session::test_run::{TestRun, ready_for, wait_for_air};
 use pneudrive_sim::Rig;
 
 use crate::work::Meter;
@@ -26,7 +26,7 @@ pub fn records(
     let count = client.status()?.position;
     client.disarm()?;
     let (recorded, files) = lend(client, &[id::OPEN_LOOP], |client| {
-        let mut bench = AtDrive { client, meter, files: Vec::new() };
+        let mut bench = AtDrive { client, meter, files: Vec::new(), left_at: count };
         Ok((plan::run(&mut bench, closed, open, count)?, bench.files))
     })?;
     // A record goes on behind what is fitted, as the drive brakes.
@@ -45,14 +45,16 @@ struct AtDrive<'a> {
     client: &'a mut Client,
     meter: &'a Meter,
     files: Vec<(String, TargetFile)>,
+    /// Where the last run left the piston, counts.
+    left_at: i32,
 }
 
 impl TestRig for AtDrive<'_> {
     fn run(&mut self, test: &Rig) -> Result<()> {
-        set_loop(self.client, test)?;
-        wait_for_rest(self.client, &mut || self.meter.check())?;
+        ready_for(self.client, test, self.left_at, &mut || self.meter.check())?;
         let prepared = TestRun::of(test).prepare(self.client, None)?;
         prepared.run(self.client, self.meter.ends(), &mut || self.meter.check(), |_| {}).ended?;
+        self.left_at = self.client.status()?.position;
         // Armed, a drive that creeps at its null would trip while its record is fetched.
         self.client.disarm()
     }

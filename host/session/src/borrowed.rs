@@ -16,7 +16,7 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, anyhow, bail};
-use pneudrive_controller::parameters::LEARNED;
+use pneudrive_controller::parameters::is_learned;
 use pneudrive_link::client::Client;
 use pneudrive_link::failure::Failure;
 use pneudrive_records::parameter_names::Written;
@@ -155,7 +155,7 @@ impl Unreturned {
     /// Whether a drive with these parameters is the one whose program was killed: they are equal, except for the
     /// borrowed ones and what a run has learned.
     fn is_of(&self, parameters: &RigParameters) -> bool {
-        let may_differ = |id| LEARNED.contains(&id) || self.borrowed.contains(&id);
+        let may_differ = |id| is_learned(id) || self.borrowed.contains(&id);
         self.all.iter().all(|&(id, value)| may_differ(id) || parameters.values.get(id) == Some(value))
     }
 

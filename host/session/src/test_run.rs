@@ -7,7 +7,7 @@ use crate::firmware_notes::{report_armed, report_boots, report_missing};
 use crate::streaming::{Streamed, Streaming, ToFile};
 use anyhow::{Result, bail};
 use pneudrive_controller::law::Loop;
-use pneudrive_controller::parameters::{LEARNED, id};
+use pneudrive_controller::parameters::{KEPT, id};
 use pneudrive_controller::{Config, Parameters};
 use pneudrive_link::client::Client;
 use pneudrive_link::failure::Failure;
@@ -23,10 +23,15 @@ use pneudrive_sim::keys;
 /// How long a stepper's spool may take to mid-travel; after that, the rig refuses the start and says why.
 const WALK_TO_NULL: Duration = Duration::from_secs(2);
 
-/// An axis that has stayed where it is for so long stands; one that creeps on for longer than the second is no longer waited for: the
-/// drive judges it once it is armed.
+/// An axis that has stayed where it is for so long stands.
 const STANDS: Duration = Duration::from_millis(100);
+
+/// One that creeps on for so long is no longer waited for: the drive judges it once it is armed.
 const WAIT_FOR_REST: Duration = Duration::from_secs(5);
+
+/// How far a load may drift, as a part of the stroke, before a test in open loop: a planned one stays a tenth of the stroke away from the
+/// ends.
+const DRIFTS: f64 = 0.05;
 
 /// How long the air in the chambers of a cylinder takes, with the valve at its null, to come near to rest: it leaves and enters through
 /// what overlaps of its paths.
@@ -111,7 +116,7 @@ impl Prepared<'_> {
 ///
 /// # Errors
 /// When it does not answer or refuses.
-pub fn set_loop(client: &mut Client, rig: &Rig) -> Result<()> {
+fn set_loop(client: &mut Client, rig: &Rig) -> Result<()> {
     client.disarm()?;
     let is_open = rig.get(&keys::controller::LOOP) == control::Loop::Open;
     client.set_parameters(id::OPEN_LOOP, &[is_open.into()])
@@ -271,6 +276,36 @@ pub fn wait_for_null(client: &mut Client, rig: &Rig, interrupted: &mut Interrupt
     Ok(())
 }
 
+/// Makes a drive ready for a test: in its loop, disarmed and at rest, before one in open loop near where it was left (counts).
+///
+/// # Errors
+/// When the rig does not answer or refuses, `interrupted` says so, or the load has drifted away: an open valve would drive it on into an
+/// end.
+pub fn ready_for(
+    client: &mut Client,
+    rig: &Rig,
+    left_at: i32,
+    interrupted: &mut Interrupted<'_>,
+) -> Result<()> {
+    set_loop(client, rig)?;
+    wait_for_rest(client, interrupted)?;
+    interrupted()?;
+    if rig.get(&keys::controller::LOOP) == control::Loop::Closed {
+        return Ok(());
+    }
+    let position = client.status()?.position;
+    let units = Units::of(&client.parameters()?);
+    let (Some(left_mm), Some(stands_mm)) = (units.millimetres(left_at), units.millimetres(position)) else {
+        return Ok(());
+    };
+    if (stands_mm - left_mm).abs() > DRIFTS * 1e3 * rig.get(&keys::actuator::STROKE_M) {
+        return Err(Failure::Refused.error(format!(
+            "the piston was left at {left_mm:.1} mm and stands at {stands_mm:.1} mm: the load drifts while the valve is at its null; support it, or lay the axis level"
+        )));
+    }
+    Ok(())
+}
+
 /// Waits until a disarmed axis stands, as the drive itself understands that (`no_motion_counts`): what a test has moved coasts, and would
 /// trip the drive that is armed meanwhile.
 ///
@@ -344,9 +379,6 @@ fn is_no_soft_limit(id: u16, in_file: i32) -> bool {
     [(id::END_MIN_COUNTS, -i32::MAX), (id::END_MAX_COUNTS, i32::MAX)].contains(&(id, in_file))
 }
 
-/// The parameters that a rig file has no key for: what the drive has learned.
-const KEPT: &[u16] = LEARNED.split_at(1).1;
-
 /// Notes which parameters of the rig differ from the file: the run uses those of the rig. A different loop or period
 /// is refused, because the moves would mean something else.
 fn compare_parameters(rig: &Parameters, file: &Parameters, name: &str) -> Result<()> {
@@ -396,6 +428,24 @@ mod tests {
         let mut stopped = || Client::connect(served.port())?.stop();
         let error = start(&mut client, &rig, &mut stopped).expect_err("it does not run");
         assert!(format!("{error:#}").contains("tripped before the start: stop"), "{error:#}");
+    }
+
+    /// An open valve would drive it on into an end.
+    #[test]
+    fn a_load_that_has_drifted_is_not_driven_on_in_open_loop() {
+        let rig = Rig::builtin("servo-b-tuned").expect("a built-in rig");
+        let with_loop = |word: &str| rig.with_settings(&[format!("controller.loop={word}")]).expect("valid");
+        let served = VirtualRig::new(rig.clone(), 1, Pace { fast: true, live: false }).expect("a rig");
+        let served = Background::start(served, Listener::open("tcp:127.0.0.1:0").expect("a port"));
+        let mut client = Client::connect(served.port()).expect("it answers");
+        let here = client.status().expect("it answers").position;
+        // A tenth of the stroke of 500 mm, and a hundredth.
+        for (word, off_mm, refused) in [("open", 50.0, true), ("open", 5.0, false), ("closed", 50.0, false)] {
+            let left_at = here - (off_mm / 0.01205) as i32;
+            let ready = ready_for(&mut client, &with_loop(word), left_at, &mut || Ok(()));
+            let told = ready.err().map_or(String::new(), |error| format!("{error:#}"));
+            assert_eq!(told.contains("the load drifts"), refused, "{word}, {off_mm} mm: {told}");
+        }
     }
 
     /// It was written before the drive was armed, and had the parameters of the run before.

@@ -27,7 +27,7 @@ use pneudrive_records::own_file::make_writable;
 use pneudrive_records::run_folder::StoredRun;
 use pneudrive_records::target::TargetFile;
 use pneudrive_session::slow_move::{self, Standing};
-use pneudrive_session::test_run::{TestRun, refuse_unready};
+use pneudrive_session::test_run::{TestRun, refuse_unready, wait_for_rest};
 use pneudrive_sim::component::controller::Loop;
 use pneudrive_sim::component::encoder::{self, mm_per_count};
 use pneudrive_sim::{Accuracy, Rig, keys};
@@ -124,17 +124,18 @@ fn steps(arguments: &Commission, rig: &Rig, client: &mut Client, interrupts: &In
     say!("3. the middle of its stroke");
     to_the_middle(client, rig, interrupts)?;
     say!("4. the tests, and what they show");
-    let found = fit::identified(arguments, rig, client, interrupts)?;
+    let (found, note) = fit::identified(arguments, rig, client, interrupts)?;
     say!("5. the parameters of what was found");
     client.disarm()?;
     client.import_parameters(&found.parameters())?;
     say!("6. trial moves");
     to_the_middle(client, &found, interrupts)?;
     let trial = trial(&found, trial_mm(arguments, rig), client.info()?.record_capacity)?;
+    wait_for_rest(client, &mut || interrupts.refuse_if_seen())?;
     run_test(client, TestRun::of(&trial), None)?;
     client.disarm()?;
     let (path, target) = record(client, &arguments.out)?;
-    judge(arguments, &trial, &path, &target)?;
+    judge(arguments, &trial, &path, &target, note)?;
     say!(
         "the drive forgets these parameters when it is reset; `pneudrive device --port {} config save` keeps them",
         client.port_name()
@@ -162,6 +163,7 @@ fn give_back(client: &mut Client, parameters: &Parameters) {
 }
 
 fn to_the_middle(client: &mut Client, rig: &Rig, interrupts: &Interrupts) -> Result<()> {
+    wait_for_rest(client, &mut || interrupts.refuse_if_seen())?;
     interrupts.refuse_if_seen()?;
     let Standing { there, from_mm } = Standing::of(client, rig.name(), rig)?;
     let middle_mm = 500.0 * rig.get(&keys::actuator::STROKE_M);
@@ -199,7 +201,13 @@ fn by_its_encoder(rig: &Rig) -> Result<Rig> {
 }
 
 /// What the drive did beside what the twin with the values found does, and whether it has positioned.
-fn judge(arguments: &Commission, trial: &Rig, path: &Path, target: &TargetFile) -> Result<()> {
+fn judge(
+    arguments: &Commission,
+    trial: &Rig,
+    path: &Path,
+    target: &TargetFile,
+    note: Option<String>,
+) -> Result<()> {
     let trial = &by_its_encoder(trial)?;
     let accuracy = Accuracy::of(trial);
     let ensemble =
@@ -216,13 +224,14 @@ fn judge(arguments: &Commission, trial: &Rig, path: &Path, target: &TargetFile) 
         bail!("{} does not show the {TRIALS} trial moves", path.display());
     };
     let off: Vec<&Move> = on_the_drive.iter().filter(|one| one.settling_s.is_none()).collect();
-    let notes = vec![
+    let mut notes = vec![
         format!("The drive {}.", verdict(&[on_the_drive.to_vec()], tolerance)),
         format!(
             "Its twin with the values found {}.",
             simulate::sentence(&judged, &verdict(&ensemble.measured, tolerance))
         ),
     ];
+    notes.extend(note);
     notes.iter().for_each(|note| say!("{note}"));
     let transients = [recorded, simulated];
     let tables = overlay(&transients)?;

@@ -64,6 +64,9 @@ impl Interrupts {
     pub fn refuse_if_seen(&self) -> Result<()> {
         match self.look() {
             false => Ok(()),
+            true if Interrupts::by_output() => {
+                Err(output::verdict().error(format!("nothing more was run because {UNHEARD}")))
+            }
             true => Err(Exit::Interrupted.error("stopped by Ctrl-C")),
         }
     }

@@ -52,6 +52,15 @@ pub struct LawConfig {
 }
 
 impl LawConfig {
+    /// Whether what the law of the other one has learned says nothing of this one.
+    #[must_use]
+    pub fn is_of_another_drive(&self, other: &LawConfig) -> bool {
+        match (&self.settings, &other.settings) {
+            (Settings::Cascade(own), Settings::Cascade(other)) => own.differ_but_for_what_is_kept(other),
+            (own, other) => own != other,
+        }
+    }
+
     /// Takes over what an arming has learned: in all else the other one is the same.
     pub fn learn(&mut self, learned: &LawConfig) {
         self.null_offset = learned.null_offset;
@@ -145,6 +154,7 @@ macro_rules! control_laws {
         /// Which law, with its own constants.
         #[derive(Clone, Debug, PartialEq, Eq)]
         #[allow(clippy::large_enum_variant)] // There is one of it, and no heap.
+        #[repr(u16)] // Read and compared as a gain is, which is one instruction less a sample.
         pub enum Settings {
             $(#[doc = $about] $law($file::Settings),)+
         }

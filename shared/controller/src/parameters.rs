@@ -9,9 +9,8 @@ mod table;
 
 use crate::choice::{Adapt, EncoderKind, HomingKind, Law, Loop};
 
-/// The parameters that arming makes of what the last run has learned.
-pub const LEARNED: [u16; 10] = [
-    id::NULL_OFFSET_COUNTS,
+/// What is kept of what the law has learned.
+pub const KEPT: [u16; 9] = [
     id::KEPT_MASS,
     id::KEPT_FRICTION,
     id::KEPT_FORCE,
@@ -22,6 +21,12 @@ pub const LEARNED: [u16; 10] = [
     id::KEPT_AT_BOUND,
     id::KEPT_CHANGED,
 ];
+
+/// Whether arming makes a parameter of what the last run has learned.
+#[must_use]
+pub fn is_learned(id: u16) -> bool {
+    id == id::NULL_OFFSET_COUNTS || KEPT.contains(&id)
+}
 
 /// Entries of the gain profile (thesis 6.3.3).
 pub const PROFILE_LEN: usize = 256;

@@ -50,8 +50,18 @@ impl<R: BorrowMut<Recorder>> Control<R> {
             changed.set(id, value).map_err(|error| (id, ChangeError::Value(error)))?;
             id = id.saturating_add(1);
         }
-        let changed = Prepared::of(changed).map_err(|error| (first_id, ChangeError::Inconsistent(error)))?;
+        let changed =
+            self.of_its_own(changed).map_err(|error| (first_id, ChangeError::Inconsistent(error)))?;
         self.put_in_force(changed).map_err(|refusal| (first_id, ChangeError::Refused(refusal)))
+    }
+
+    /// Parameters that fit together. What the law keeps are parts of what the others say: where these say something else, it begins afresh.
+    fn of_its_own(&self, changed: Parameters) -> Result<Prepared, ConfigError> {
+        let changed = Prepared::of(changed)?;
+        match changed.config().law.is_of_another_drive(&self.config().law) {
+            true => changed.afresh(),
+            false => Ok(changed),
+        }
     }
 
     /// Puts parameters in force, unless a spool is open that the drive stage of these would not close.

@@ -2,7 +2,7 @@
 
 use anyhow::{Result, bail};
 use pneudrive_app::moves::told;
-use pneudrive_controller::parameters::LEARNED;
+use pneudrive_controller::parameters::is_learned;
 use pneudrive_controller::{Parameters, Profile, Sequence};
 use pneudrive_protocol::change::{Entry, PART_BYTES, start_crc32, test_crc32};
 use pneudrive_protocol::{MAX_VALUES, ReplyBody, RequestBody, RequestRefusal, Values, frame};
@@ -183,7 +183,7 @@ impl Client {
 
 /// Compares all but what arming makes of what the last run has learned.
 fn are_the_same_but_for_what_was_learned(before: &RigParameters, now: &RigParameters) -> bool {
-    let differs = |(was, is): ((u16, i32), (u16, i32))| was.1 != is.1 && !LEARNED.contains(&was.0);
+    let differs = |(was, is): ((u16, i32), (u16, i32))| was.1 != is.1 && !is_learned(was.0);
     !before.values.iter().zip(now.values.iter()).any(differs)
 }
 

@@ -114,7 +114,9 @@ impl Shown {
 
 /// Why the law of a drive that keeps what it learns began afresh of late: a word, and what that means.
 pub(super) fn changed(parameters: &RigParameters) -> Option<(&'static str, &'static str)> {
+    let keeps = parameters.values.get(id::ADAPT) == Some(Adapt::Kept as i32);
     match Kept::of(&parameters.values).changed {
+        _ if !keeps => None,
         Changed::No => None,
         Changed::AtBound => Some((
             "at-bound",

@@ -9,13 +9,14 @@ use pneudrive_link::client::Client;
 use pneudrive_records::target::TargetFile;
 use pneudrive_records::units::lacks_pressures;
 use pneudrive_session::borrowed::lend;
-use pneudrive_session::test_run::{TestRun, set_loop, wait_for_air, wait_for_rest};
+use pneudrive_session::test_run::{TestRun, ready_for, wait_for_air};
 use pneudrive_sim::Rig;
 use pneudrive_sim::component::controller::Loop;
 use pneudrive_sim::keys;
 
 use super::kept::Kept;
 use crate::cli::RigChoice;
+use crate::command::interrupts::Interrupts;
 use crate::command::record::record;
 use crate::command::rig_source::load_rig;
 use crate::command::run::run_test;
@@ -37,7 +38,7 @@ pub(in crate::command) fn check_direction(
     client.disarm()?;
     let count = client.status()?.position;
     lend(client, &[id::OPEN_LOOP], |client| {
-        plan::check_direction(&mut AtPort { client, folder, kept: None }, &open, count)
+        plan::check_direction(&mut AtPort { client, folder, kept: None, left_at: count }, &open, count)
     })
 }
 
@@ -66,7 +67,8 @@ pub(super) fn execute(choice: &RigChoice, client: &mut Client, folder: &Path) ->
     let count = kept.count;
     // If this program is killed, the next plan restores the loop.
     let recorded = lend(client, &[id::OPEN_LOOP], |client| {
-        plan::run(&mut AtPort { client, folder, kept: Some(&mut kept) }, &closed, &open, count)
+        let left_at = client.status()?.position;
+        plan::run(&mut AtPort { client, folder, kept: Some(&mut kept), left_at }, &closed, &open, count)
     })
     .map_err(of_trip)?;
     kept.end()?;
@@ -98,19 +100,24 @@ struct AtPort<'a> {
     client: &'a mut Client,
     folder: &'a Path,
     kept: Option<&'a mut Kept>,
+    /// Where the last run left the piston, counts.
+    left_at: i32,
 }
 
 impl TestRig for AtPort<'_> {
     fn run(&mut self, test: &Rig) -> Result<()> {
-        set_loop(self.client, test)?;
-        wait_for_rest(self.client, &mut || Ok(()))?;
+        // Ctrl-C ends a wait, and does not arm the drive any more.
+        let interrupts = Interrupts::watch();
+        ready_for(self.client, test, self.left_at, &mut || interrupts.refuse_if_seen())?;
         run_test(self.client, TestRun::of(test), None)?;
+        self.left_at = self.client.status()?.position;
         // Armed, a drive that creeps at its null would trip while its record is fetched.
         self.client.disarm()
     }
 
     fn settle(&mut self) -> Result<()> {
-        wait_for_air(self.client, &mut || Ok(()))
+        let interrupts = Interrupts::watch();
+        wait_for_air(self.client, &mut || interrupts.refuse_if_seen())
     }
 
     fn record(&mut self, name: &str) -> Result<(String, TargetFile)> {
@@ -147,7 +154,7 @@ mod tests {
         let mut client = Client::connect(served.port()).expect("it answers");
         let folder = tempfile::tempdir().expect("a folder");
         let mut kept = Kept::open(folder.path(), &rig, 0).expect("a folder");
-        AtPort { client: &mut client, folder: folder.path(), kept: Some(&mut kept) }
+        AtPort { client: &mut client, folder: folder.path(), kept: Some(&mut kept), left_at: 0 }
             .run(&rig)
             .expect("a run");
         assert_eq!(client.status().expect("it answers").mode, Mode::Disarmed);

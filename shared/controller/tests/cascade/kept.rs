@@ -2,7 +2,7 @@
 
 use pneudrive_controller::choice::Adapt;
 use pneudrive_controller::law::cascade::kept::{Changed, Kept, Learned};
-use pneudrive_controller::parameters::{LEARNED, TABLE, id};
+use pneudrive_controller::parameters::{KEPT, TABLE, id};
 use pneudrive_controller::{Config, Fault, Parameters};
 
 use super::record::{RECORDS, Record, Row};
@@ -112,7 +112,7 @@ fn a_configuration_that_learns_is_that_of_the_parameters() {
     let mut parameters = record.parameters.clone();
     keep(&mut parameters, &Kept::default());
     let mut config = Config::new(&parameters).expect("of a checked rig");
-    for id in LEARNED {
+    for id in KEPT.into_iter().chain([id::NULL_OFFSET_COUNTS]) {
         let line = TABLE.iter().find(|line| line.id == id).expect("in the table");
         parameters.set(id, draws.within(line.min, line.max)).expect("in range");
     }

@@ -51,12 +51,20 @@ impl Cascade {
         if step.unsigned_abs() < 2 || speed.saturating_abs() < settings.moving {
             return;
         }
-        self.load = Load::in_motion(&settings.load, &settings.kept.learned, step, force);
+        self.goes_on(settings, count, step, force);
+        self.target = count.saturating_add(reference.error);
+        self.set_off(settings, force);
+    }
+
+    /// A load that has moved by this step moves on.
+    #[cold]
+    #[inline(never)]
+    fn goes_on(&mut self, settings: &Settings, count: i32, step: i32, force: i32) {
+        self.load = Load::new(&settings.load, &settings.kept.learned);
+        self.load.goes_on(&settings.load, step, force);
         self.motion = Motion::going(count, step, force, &self.load);
         self.flow = Flow::new(force);
         self.lag = Lag::new(&settings.lag, &settings.kept.learned);
-        self.target = count.saturating_add(reference.error);
-        self.set_off(settings, force);
     }
 
     /// What it has learned up to now; what the rig file says before the first sample.

@@ -14,8 +14,8 @@
 //! one drive in a hundred is wrong about it: so its pace is followed in steps, and is no evidence of a change.
 //!
 //! A drive whose load differs from run to run has nothing to keep. It says so (`changed`) until 8 armings in a row were alike, and
-//! begins afresh meanwhile after each change. So does a drive that has tripped, unless somebody has stopped it or its host was silent:
-//! what was kept may be why.
+//! begins afresh after each change. So does a drive that has tripped, unless somebody has stopped it or its host was silent: what was kept
+//! may be why.
 //!
 //! | quantity | format | range |
 //! |---|---|---|
@@ -34,7 +34,7 @@ const PULL: i32 = 8;
 const STEADY: i32 = 8;
 /// Runs in a row that may end at a bound.
 const AT_BOUND: i32 = 3;
-/// Most armings that are counted.
+/// Most armings that are counted. One more than them counts as so many that the pull of each 8th one goes on.
 const MOST: i32 = 65_535;
 /// What a run may move the pace by.
 const STEP: i32 = ONE / 8;
@@ -192,7 +192,9 @@ impl Kept {
     /// the drive is in.
     pub(crate) fn after(&self, run: Learned, is_at_bound: bool, fault: Option<Fault>) -> Kept {
         match fault {
-            None | Some(Fault::Stop | Fault::HostSilent) => {}
+            // None of these tells of the run.
+            None
+            | Some(Fault::Stop | Fault::HostSilent | Fault::CommandWhileDisarmed | Fault::WatchdogTried) => {}
             Some(Fault::ModelAtBound) => return Kept::afresh(Changed::AtBound),
             Some(_) => return Kept::afresh(Changed::Tripped),
         }
@@ -204,7 +206,7 @@ impl Kept {
         if self.armings > 0 && run.is_far_from(self.learned) {
             return Kept::afresh(Changed::Jumped);
         }
-        let armings = self.armings.saturating_add(1).min(MOST);
+        let armings = if self.armings < MOST { self.armings.saturating_add(1) } else { MOST + 1 - PULL };
         let changed = if armings < STEADY { self.changed } else { Changed::No };
         let pace =
             run.pace.min(self.learned.pace.saturating_add(STEP)).max(self.learned.pace.saturating_sub(STEP));
@@ -213,17 +215,23 @@ impl Kept {
     }
 
     /// Whether it differs so much from what is stored that it is worth a write of the flash: M or pace by a 16th, s by an 8th, d by a
-    /// stiction, B by half of it, or the looseness. Nothing is while the drive has changed of late.
+    /// stiction, B by half of it, or the looseness. While the drive has changed of late, only that it begins afresh is.
     #[must_use]
-    pub fn is_worth_storing(&self, stored: &Kept) -> bool {
-        let (is, was) = (&self.learned, &stored.learned);
+    pub fn is_worth_storing(&self, stored: &Learned) -> bool {
+        let (is, was) = (&self.learned, stored);
         let moved = is.mass.abs_diff(was.mass) > ONE.unsigned_abs() / 16
             || is.pace.abs_diff(was.pace) > ONE.unsigned_abs() / 16
             || is.friction.abs_diff(was.friction) > ONE.unsigned_abs() / 8
             || is.force.abs_diff(was.force) > 1 << 24
             || is.viscous.abs_diff(was.viscous) > 1 << 23
             || is.looseness != was.looseness;
-        moved && self.changed == Changed::No
+        moved && (self.changed == Changed::No || self.is_afresh())
+    }
+
+    /// Whether a run begins with what the rig file says.
+    #[must_use]
+    pub fn is_afresh(&self) -> bool {
+        self.learned == Learned::default()
     }
 
     fn afresh(changed: Changed) -> Kept {

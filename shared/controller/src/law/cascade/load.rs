@@ -154,9 +154,12 @@ fn pass(filter: &mut Filter, input: i32, pole: i32) -> i32 {
     before
 }
 
+/// 1/0.3 in Q24: a sample does not divide.
+const BY_SPREAD: i64 = (1 << 40) / SPREAD as i64;
+
 /// A part of what the rig file says (Q16) in prior deviations from it, Q24.
 fn deviation(part: i32) -> i32 {
-    saturate(((i64::from(part) - (1 << 16)) << 24) / i64::from(SPREAD))
+    saturate(((i64::from(part) - (1 << 16)) * BY_SPREAD) >> 16)
 }
 
 impl Load {
@@ -172,18 +175,13 @@ impl Load {
         load
     }
 
-    /// The same of a load that moves by this step under this force: nothing is learned before the filters have forgotten that they
+    /// It moves by this step under this force: nothing is learned before the filters have forgotten that they
     /// began with neither acceleration nor its force.
-    pub(super) fn in_motion(constants: &Constants, known: &Learned, step: i32, force: i32) -> Load {
-        let slide = constants.coulomb(step.signum());
-        Load {
-            speed: [within(step, 1 << 14) << 16; 3],
-            pushed: [force; 3],
-            rubbed: [slide; 3],
-            left: LOST,
-            runs: true,
-            ..Load::new(constants, known)
-        }
+    pub(super) fn goes_on(&mut self, constants: &Constants, step: i32, force: i32) {
+        self.speed = [within(step, 1 << 14) << 16; 3];
+        self.pushed = [force; 3];
+        self.rubbed = [constants.coulomb(step.signum()); 3];
+        (self.left, self.runs) = (LOST, true);
     }
 
     /// d and B as they are learned, in their deviations, Q24.

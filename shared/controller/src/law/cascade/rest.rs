@@ -12,7 +12,7 @@
 //! A load that has not come to rest 100 ms after the end of its trajectory sets off again: it swings about another place than its target.
 //! One that turns more than twice after the end of its trajectory is on friction that gives way like a spring, or on a model that is
 //! wrong. Each further turn lets it rest twice as far from its target, at first within 40 um, at last within 0.64 mm. What was
-//! learned so is kept until the next start. A load that has come to stand 0.2 mm off its target is moved once more, four times at
+//! learned so is kept until the next start, or beyond it (`kept`). A load that has come to stand 0.2 mm off its target is moved once more, four times at
 //! most, and pushed with the stiction; one that moves farther off than 0.9 mm, or without bristles by 60 um, sets off again.
 
 use super::motion::Motion;

@@ -78,10 +78,9 @@ impl Settings {
         self.kept = learned.kept;
     }
 
-    /// What a run begins with; as the rig file has it, unless something is kept.
-    #[must_use]
-    pub fn kept(&self) -> &Kept {
-        &self.kept
+    /// Whether these are of another drive, or keep other things: what the other ones have learned is no part of them.
+    pub(crate) fn differ_but_for_what_is_kept(&self, other: &Settings) -> bool {
+        Settings { kept: self.kept, ..other.clone() } != *self
     }
 
     /// The limits of a trajectory about a place (counts) with a mass (1/M, Q16): the jerk is that of the flow at three fifths of the supply.

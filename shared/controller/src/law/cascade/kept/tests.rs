@@ -161,7 +161,9 @@ fn a_drive_that_has_tripped_begins_afresh_unless_somebody_has_stopped_it() {
     for fault in Fault::ALL {
         let after = kept.after(Learned { mass: ONE, ..kept.learned }, false, Some(fault));
         let expected = match fault {
-            Fault::Stop | Fault::HostSilent => kept.after(Learned { mass: ONE, ..kept.learned }, false, None),
+            Fault::Stop | Fault::HostSilent | Fault::CommandWhileDisarmed | Fault::WatchdogTried => {
+                kept.after(Learned { mass: ONE, ..kept.learned }, false, None)
+            }
             Fault::ModelAtBound => Kept::afresh(Changed::AtBound),
             _ => Kept::afresh(Changed::Tripped),
         };
@@ -170,13 +172,25 @@ fn a_drive_that_has_tripped_begins_afresh_unless_somebody_has_stopped_it() {
 }
 
 #[test]
-fn each_eighth_arming_takes_a_doubling_of_the_distance_back() {
-    let mut kept = Kept { learned: Learned { looseness: 2, ..Learned::default() }, ..Kept::default() };
-    let looseness: Vec<i32> = (0..17)
-        .map(|_| {
-            kept = kept.after(kept.learned, false, None);
-            kept.learned.looseness
-        })
-        .collect();
-    assert_eq!(looseness, [2, 2, 2, 2, 2, 2, 2, 1, 1, 1, 1, 1, 1, 1, 1, 0, 0]);
+fn each_eighth_arming_takes_a_doubling_of_the_distance_back_however_many_there_were() {
+    for armings in [0, MOST / PULL * PULL] {
+        let learned = Learned { looseness: 2, ..Learned::default() };
+        let mut kept = Kept { learned, armings, ..Kept::default() };
+        let looseness: Vec<i32> = (0..17)
+            .map(|_| {
+                kept = kept.after(kept.learned, false, None);
+                kept.learned.looseness
+            })
+            .collect();
+        assert_eq!(looseness, [2, 2, 2, 2, 2, 2, 2, 1, 1, 1, 1, 1, 1, 1, 1, 0, 0], "behind {armings}");
+    }
+}
+
+#[test]
+fn what_is_stored_of_a_drive_that_begins_afresh_is_forgotten() {
+    let stored = after(Kept::default(), [1.4, 1.0, 1.0], 0);
+    let tripped = stored.after(stored.learned, false, Some(Fault::EncoderStep));
+    assert!(tripped.changed == Changed::Tripped && tripped.is_worth_storing(&stored.learned));
+    let again = Kept { changed: Changed::Tripped, ..stored };
+    assert!(!again.is_worth_storing(&Learned::default()), "it has changed of late");
 }
