@@ -1,7 +1,7 @@
 //! The rig file that explains what the tests of the plan show.
 //!
 //! ```text
-//! the rig file -> with the effect that explains the rest to noise -> with friction that gives way like bristles
+//! the rig file, or with the effect that explains the rest to noise, or with friction that gives way like bristles
 //! ```
 //!
 //! The first of these that leaves nothing but noise is taken. If none does, the one that follows the position best is taken, where it does so
@@ -19,40 +19,46 @@ use pneudrive_sim::component::encoder::mm_per_count;
 use pneudrive_sim::component::friction::{Friction, FrictionKind, FrictionModel};
 use pneudrive_sim::key::Choice;
 use pneudrive_sim::{Rig, keys};
+use serde_json::json;
 
 use crate::cli::{Commission, Identify};
 use crate::command::identify;
 use crate::command::interrupts::Interrupts;
 use crate::command::rig_source::{load_choice, load_rig};
 use crate::exit::Exit;
+use crate::json;
 
-/// The rig file with what the tests of `identify --plan` show. It is read anew: the law of a rig that was only changed by numbers does not
-/// know them.
+/// The rig file with what the tests of `identify --plan` show, and what is to be known of it besides. It is read anew: the law of a rig that
+/// was only changed by numbers does not know them.
 pub(super) fn identified(
     arguments: &Commission,
     rig: &Rig,
     client: &mut Client,
     interrupts: &Interrupts,
-) -> Result<Rig> {
+) -> Result<(Rig, Option<String>)> {
     let mut plan = Identify::of_plan(&arguments.rig, &arguments.port.port, &arguments.out, arguments.pages);
     let recorded = identify::planned(&plan, client)?;
     let best = best(&mut plan, rig, &recorded, interrupts)?;
     let refusal = report::refusal(&best.found);
-    plan.rig.settings = best.settings;
-    plan.despite_misfit = best.follows_mm <= tolerance_mm(Some(rig));
+    plan.rig.settings.clone_from(&best.settings);
+    plan.despite_misfit = best.found.spectrum.is_testable() && best.follows_mm <= tolerance_mm(Some(rig));
+    json::figures(|| json!({ "settings": best.settings, "follows_mm": best.follows_mm }));
     identify::written(&plan, &recorded.fitted, identify::read_off(rig, &recorded), &best.found)?;
     if let Some(table) = report::tables(&best.found).first() {
         say!("{}\n{}", table.heading, table.to_text());
     }
-    match refusal {
-        Some(refusal) if !plan.despite_misfit => return Err(Exit::NotBorneOut.error(refusal)),
-        Some(refusal) => say!(
-            "{refusal} to their noise, so no interval is to be trusted; it follows the position within {:.3} mm (root mean square), and the trial moves tell whether the drive positions with it",
-            best.follows_mm
-        ),
-        None => {}
+    if let Some(refusal) = &refusal
+        && !plan.despite_misfit
+    {
+        return Err(Exit::NotBorneOut.error(refusal.clone()));
     }
-    load_rig(&arguments.out.join(identify::FITTED).to_string_lossy(), &[])
+    let note = refusal.map(|refusal| {
+        format!(
+            "{refusal} to their noise, so no interval of fitted.toml is to be trusted; it follows the position within {:.3} mm (root mean square), and the trial moves tell whether the drive positions with it.",
+            best.follows_mm
+        )
+    });
+    Ok((load_rig(&arguments.out.join(identify::FITTED).to_string_lossy(), &[])?, note))
 }
 
 /// A fit, the settings of its rig file, and how far the model is off the recorded position, mm (root mean square).
@@ -84,7 +90,14 @@ fn best(plan: &mut Identify, rig: &Rig, recorded: &Recorded, interrupts: &Interr
         let Some((why, settings)) = other(rig, &best.found) else { continue };
         say!("{refusal}; again with {why}: {}", settings.join(", "));
         plan.rig.settings = [&given[..], &settings].concat();
-        let fit = Fit::of(plan, recorded, interrupts)?;
+        let fit = match Fit::of(plan, recorded, interrupts) {
+            Err(error) => {
+                interrupts.refuse_if_seen()?;
+                say!("that fit failed: {error:#}");
+                continue;
+            }
+            Ok(fit) => fit,
+        };
         if fit.found.fits || fit.follows_mm < best.follows_mm {
             best = fit;
         }
@@ -95,13 +108,15 @@ fn best(plan: &mut Identify, rig: &Rig, recorded: &Recorded, interrupts: &Interr
 /// An effect that the rig file lacks, and the settings that have it.
 type Other = Option<(String, Vec<String>)>;
 
-/// The one that leaves nothing but noise.
+/// The one that leaves nothing but noise, where no other explains as much.
 fn of_the_cause(_: &Rig, found: &Identification) -> Other {
-    let best = found.causes.fitted.first().filter(|_| found.causes.explain_to_noise())?;
+    let causes = &found.causes;
+    let is_alone = causes.fitted.iter().filter(|cause| cause.as_good_as_best).count() == 1;
+    let best = causes.fitted.first().filter(|_| is_alone && causes.explain_to_noise())?;
     Some((best.effect.name.to_owned(), best.setting.split(' ').map(str::to_owned).collect()))
 }
 
-/// Seals give way like a spring before they slide; no trace of a rigid one shows that.
+/// Seals give way like a spring before they slide. What a rigid friction leaves does not point to that.
 fn of_the_friction(rig: &Rig, _: &Identification) -> Other {
     let gives_way = |rig: &Rig| !Friction::of(rig).scale().is_empty();
     let with = |word: &str| vec![keys::friction::FRICTION.setting(word)];

@@ -43,6 +43,8 @@ pub(super) const SIMPLE: &[Field] = fields! {
 
 /// Of `commission`, with the fields of its fit.
 pub(super) const COMMISSION: &[Field] = fields! {
+    "settings[]": "text, optional", "keys beside those of the rig file with which the fit was made";
+    "follows_mm": "number, optional", "how far its model is off the recorded position, mm (root mean square)";
     "trial_moves": "integer, optional", "its trial moves";
     "trial_moves_off": "integer, optional", "those that do not come to rest within the tolerance";
     "report": "text, optional", "the page";
