@@ -33,6 +33,7 @@ use crate::timing::Clock;
 /// moves and samples would move them out of reach.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 #[repr(C)]
+#[repr(C)]
 pub struct Control<R = Recorder> {
     state: State,
     clock: Clock,
@@ -42,9 +43,9 @@ pub struct Control<R = Recorder> {
     logged: bool,
     /// Whether the board's encoder may be absolute.
     may_know_position: bool,
-    ownership: Ownership,
     configuration: Configuration,
     test: Test,
+    ownership: Ownership,
     /// The transient buffer.
     pub recorder: R,
     selector: Selector,
