@@ -32,6 +32,7 @@ mod reference;
 mod rests_outside;
 mod return_spring;
 mod runner;
+mod settings;
 mod shut_ports;
 mod single_acting;
 mod supervision;

@@ -8,6 +8,8 @@ use pneudrive_solver::{Derivative, Event, Integrator, System};
 
 use pneudrive_controller::parameters::id;
 
+use crate::settings::NO_FRICTION;
+
 fn rig(name: &str, settings: &[&str]) -> Rig {
     let settings: Vec<String> = settings.iter().map(ToString::to_string).collect();
     let text = pneudrive_sim::rigfile::builtin(name).expect("a built-in rig");
@@ -25,13 +27,6 @@ const SPRING: [&str; 2] =
     ["actuator.return_spring_preload_n=60", "actuator.return_spring_stiffness_n_per_m=500"];
 const RETRACT: &str = "actuator.return_spring=retract";
 const EXTEND: &str = "actuator.return_spring=extend";
-const NO_FRICTION: [&str; 5] = [
-    "load.viscous_n_s_per_m=0",
-    "load.static_extend_n=0",
-    "load.coulomb_extend_n=0",
-    "load.static_retract_n=0",
-    "load.coulomb_retract_n=0",
-];
 /// A valve that is shut by an overlap without clearance.
 const SHUT: [&str; 6] = [
     "controller.loop=open",

@@ -29,10 +29,9 @@ use crate::timing::Clock;
 /// a microcontroller has no room to make it on the stack. By default: disarmed, with the thesis's
 /// parameters and no test.
 ///
-/// The order matters: the data that a sample needs lie within reach of one load from the front. The long lists of
-/// moves and samples would move them out of reach.
+/// The order matters, so it is kept: the data that a sample needs lie within reach of one load from the front. The long lists of
+/// moves and samples, and what a host alone asks for, would move them out of reach.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-#[repr(C)]
 #[repr(C)]
 pub struct Control<R = Recorder> {
     state: State,

@@ -1,9 +1,8 @@
 //! A TARGET file as a fit takes it: the commands, and what counts of each channel.
 
 mod encoder;
+mod rest;
 
-use std::error::Error;
-use std::fmt;
 use std::ops::Range;
 
 use anyhow::{Context, Result, anyhow, bail};
@@ -11,8 +10,6 @@ use pneudrive_controller::Command;
 use pneudrive_controller::parameters::id;
 use pneudrive_protocol::RecordedSample;
 use pneudrive_records::target::TargetFile;
-use pneudrive_sim::component::encoder::pulse;
-use pneudrive_sim::component::friction::{Friction, FrictionModel};
 use pneudrive_sim::component::operator::{self, hysteresis};
 use pneudrive_sim::component::sensors::calibration::Calibration;
 use pneudrive_sim::follow::{Followed, Reading, Timing, follow, follow_within};
@@ -24,6 +21,8 @@ use pneudrive_evaluate::replay::parameters::Header;
 use pneudrive_evaluate::replay::samples;
 
 use encoder::independent;
+pub(super) use rest::{FEWEST_AT_REST, NotAtRest};
+use rest::{counts_of_yield, samples_at_rest};
 
 /// What is compared, and in what unit it is shown.
 pub const CHANNELS: [(&str, &str); 4] =
@@ -73,9 +72,6 @@ pub(super) fn remembers(rig: &Rig) -> bool {
     rig.get(&keys::operator::MODEL).is_solenoid()
         && 1e3 * hysteresis::half_width(rig) > rig.get(&keys::dither::DITHER_MM)
 }
-
-/// Fewest samples at rest under an unchanged command that a record begins with.
-pub(super) const FEWEST_AT_REST: usize = 16;
 
 /// Samples to either side over which the speed of a drive is formed. That of a spool is formed over one: it stops
 /// at once.
@@ -272,42 +268,6 @@ impl Recording {
         (Ok(readings), evaluations)
     }
 }
-
-/// How far the seals give way under a load that rests, m: as pressures change, long before it slides, by some hundredths of a
-/// millimetre.
-const YIELDS_M: f64 = 3e-5;
-
-/// How far a load at rest may move, counts. One whose friction has states, as bristles do, moves by one on any encoder.
-fn counts_of_yield(rig: &Rig) -> i32 {
-    let has_states = !Friction::of(rig).scale().is_empty();
-    ((YIELDS_M / pulse(rig)).round() as i32).max(has_states.into())
-}
-
-/// How many samples a record begins with before the drive moves by more than `counts` or its command changes.
-fn samples_at_rest(recorded: &[RecordedSample], counts: i32) -> Result<usize> {
-    let first = &recorded[0];
-    let rests = |sample: &&RecordedSample| {
-        sample.position.abs_diff(first.position) <= counts.unsigned_abs() && sample.command == first.command
-    };
-    let rest = recorded.iter().take_while(rests).count();
-    if rest < FEWEST_AT_REST { Err(NotAtRest(rest).into()) } else { Ok(rest) }
-}
-
-/// A record that begins with so few samples at rest.
-#[derive(Debug)]
-pub(super) struct NotAtRest(usize);
-
-impl fmt::Display for NotAtRest {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(
-            f,
-            "it begins with {} samples at rest under an unchanged command; a fit needs at least {FEWEST_AT_REST}, to know the noise and the state that it starts from",
-            self.0
-        )
-    }
-}
-
-impl Error for NotAtRest {}
 
 /// A measured period, and the period and delay that were asked for, us.
 fn timing(measured: f64, asked: i32, delay: i32) -> Result<Timing> {
