@@ -176,6 +176,10 @@ fn brought_up(
             }
             shown.extend((!told.is_null()).then_some(told));
         }
+        // The answer may be there before the line that tells its end.
+        if shown.last().is_some_and(|told| told["is_on"] == true) {
+            shown.push(page.wait_for(|line| line["bring_up"]["is_on"] == false)["bring_up"].take());
+        }
         (asked.join().expect("an answer"), shown)
     })
 }

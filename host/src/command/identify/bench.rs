@@ -154,7 +154,8 @@ mod tests {
         let mut client = Client::connect(served.port()).expect("it answers");
         let folder = tempfile::tempdir().expect("a folder");
         let mut kept = Kept::open(folder.path(), &rig, 0).expect("a folder");
-        AtPort { client: &mut client, folder: folder.path(), kept: Some(&mut kept), left_at: 0 }
+        let left_at = client.status().expect("it answers").position;
+        AtPort { client: &mut client, folder: folder.path(), kept: Some(&mut kept), left_at }
             .run(&rig)
             .expect("a run");
         assert_eq!(client.status().expect("it answers").mode, Mode::Disarmed);
