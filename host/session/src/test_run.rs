@@ -33,8 +33,7 @@ const WAIT_FOR_REST: Duration = Duration::from_secs(5);
 /// ends.
 const DRIFTS: f64 = 0.05;
 
-/// How long the air in the chambers of a cylinder takes, with the valve at its null, to come near to rest: it leaves and enters through
-/// what overlaps of its paths.
+/// How long the air in the chambers of a cylinder takes to come near to rest with the valve at its null, whose paths leak.
 const AIR_RESTS: Duration = Duration::from_secs(4);
 
 /// Asked again and again while the rig is waited for: an error ends the wait.
@@ -439,7 +438,7 @@ mod tests {
         let served = Background::start(served, Listener::open("tcp:127.0.0.1:0").expect("a port"));
         let mut client = Client::connect(served.port()).expect("it answers");
         let here = client.status().expect("it answers").position;
-        // A tenth of the stroke of 500 mm, and a hundredth.
+        // A sixth of the stroke of 300 mm, and a sixtieth.
         for (word, off_mm, refused) in [("open", 50.0, true), ("open", 5.0, false), ("closed", 50.0, false)] {
             let left_at = here - (off_mm / 0.01205) as i32;
             let ready = ready_for(&mut client, &with_loop(word), left_at, &mut || Ok(()));
