@@ -25,7 +25,9 @@ pub(crate) fn divide_toward_zero(value: i32, divisor: NonZeroU32) -> i32 {
 }
 
 /// `value / divisor`, rounded down; all bits set for a divisor of 0. Uses a shift and a subtraction for each bit:
-/// 64-bit divisions of the compiler's library take more room, and no control sample needs this one.
+/// 64-bit divisions of the compiler's library take more room, and no control sample needs this one. Inlined, its rounds are
+/// written out wherever it is called.
+#[inline(never)]
 pub(crate) fn quotient(value: u64, divisor: u64) -> u64 {
     let (mut quotient, mut rest) = (0_u64, 0_u64);
     for bit in (0..u64::BITS).rev() {

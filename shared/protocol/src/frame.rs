@@ -35,6 +35,7 @@ pub fn encode<'out>(message: &[u8], out: &'out mut [u8]) -> Option<&'out [u8]> {
 }
 
 /// The CRC that a message has in its frame.
+#[inline(never)]
 #[must_use]
 pub fn crc32(message: &[u8]) -> u32 {
     CRC_32.checksum(message)

@@ -95,6 +95,7 @@ impl RecordCrc {
     }
 
     /// Takes the bytes that follow.
+    #[inline(never)]
     pub fn update(&mut self, bytes: &[u8]) {
         // The register behind a CRC is its complement, and `digest_with_initial` reflects what it is given.
         let mut digest = CRC_32.digest_with_initial((!self.0).reverse_bits());
