@@ -323,13 +323,10 @@ impl Plant {
     /// The measurable quantities at `t`, to which the plant has come.
     pub(crate) fn snapshot(&mut self, t: f64) -> Snapshot {
         let t = self.plant_time(t);
-        let mut rates = slot::MASS.map(|mass| self.integrator.derivative_of(mass, t));
-        if let Some((end, mass)) = self.assembly.pocket_mass() {
-            // The port is that of the pocket.
-            let of_pocket = self.integrator.derivative_of(mass, t);
-            rates[end] = rates[end].zip(of_pocket).map(|(chamber, pocket)| chamber + pocket);
-        }
-        let [one, two] = rates;
+        let [one, two] = match self.assembly.pocket_mass() {
+            None => slot::MASS.map(|mass| self.integrator.derivative_of(mass, t)),
+            Some(pocket) => self.rates_with_pocket(pocket, t),
+        };
         let x = self.integrator.state(t);
         self.assembly.follow(x);
         let Effects { air, actuator_force, friction_force, acceleration } = self.assembly.effects(x);
@@ -349,6 +346,15 @@ impl Plant {
             actuator_force,
             friction: friction_force,
         }
+    }
+
+    /// The slopes of the masses behind the ports, kg/s: of a chamber together with its pocket.
+    #[cold]
+    fn rates_with_pocket(&mut self, (end, pocket): (usize, usize), t: f64) -> [Option<f64>; 2] {
+        let mut rates = slot::MASS.map(|mass| self.integrator.derivative_of(mass, t));
+        let of_pocket = self.integrator.derivative_of(pocket, t);
+        rates[end] = rates[end].zip(of_pocket).map(|(chamber, pocket)| chamber + pocket);
+        rates
     }
 
     /// The air in the receiver at `t`, to which the plant has come, if there is one.

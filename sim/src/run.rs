@@ -95,7 +95,7 @@ impl Record for MotionRow {
 /// # Errors
 /// When the integration fails.
 pub fn run(rig: &Rig, accuracy: Accuracy) -> Result<Run, IntegrationError> {
-    run_recorded(rig, accuracy, Recording::default(), |_, _| {})
+    run_keeping(rig, accuracy, &Kept::default())
 }
 
 /// The same with what else to record; `progress` is given the number of samples done and of all samples.
