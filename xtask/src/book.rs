@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use anyhow::{Context, Result, bail, ensure};
-use pneudrive_build::cargo::{self, built, in_root, run};
+use pneudrive_build::cargo::{self, built, run};
 
 use crate::tools::CargoTool;
 
@@ -118,10 +118,7 @@ fn table_of(line: &str) -> Option<&str> {
 fn add_reference(sources: &Path) -> Result<()> {
     let written = built("book-reference")?;
     let out = written.to_str().context("a folder with a name in UTF-8")?;
-    // With the features of the whole workspace, whose crates are built already where all tests are run.
-    run(&mut in_root(&["build", "--quiet", "--workspace", "--bin", "pneudrive"]))?;
-    let program = built("debug")?.join(format!("pneudrive{}", std::env::consts::EXE_SUFFIX));
-    run(Command::new(program).args(["man", "--markdown", "--out", out]))?;
+    run(Command::new(cargo::command()?).args(["man", "--markdown", "--out", out]))?;
     for entry in fs::read_dir(&written)? {
         let entry = entry?;
         let page = sources.join("docs/reference").join(entry.file_name());

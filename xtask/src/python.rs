@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use anyhow::{Context, Result, bail};
-use pneudrive_build::cargo::{self, built, in_inner, in_root, root, run};
+use pneudrive_build::cargo::{self, built, in_inner, root, run};
 
 use crate::venv::Environment;
 
@@ -59,9 +59,10 @@ pub fn install() -> Result<()> {
 
 /// Puts the library of FMUs into the package: `Rig.export_fmu` needs it.
 fn carry_library() -> Result<()> {
-    run(&mut in_root(&["build", "--locked", "--package", "pneudrive-fmu"]))?;
+    // The library comes with the command, as what that is linked with.
+    cargo::command()?;
     let name = format!("{}pneudrive_fmu{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
-    let (from, folder) = (built("debug")?.join(&name), workspace().join("python/pneudrive/library"));
+    let (from, folder) = (built("debug/deps")?.join(&name), workspace().join("python/pneudrive/library"));
     fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
     let to = folder.join(&name);
     fs::copy(&from, &to).with_context(|| format!("{} to {}", from.display(), to.display())).map(drop)
