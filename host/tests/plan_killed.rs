@@ -1,6 +1,7 @@
 //! A plan that is killed leaves nothing on the rig that the next one does not put right.
 #![cfg(unix)]
 
+use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
@@ -15,12 +16,16 @@ use crate::program::{folder, transcript, unhurried_rig, virtual_rig};
 const PATIENCE: Duration = Duration::from_secs(20);
 
 fn plan(folder: &Path, port: &str) -> Child {
+    started(folder, &format!("identify servo-b-tuned --plan {port} --fit load.mass_kg"), Stdio::null())
+}
+
+fn started(folder: &Path, asked: &str, told: Stdio) -> Child {
     Command::new(env!("CARGO_BIN_EXE_pneudrive"))
         .current_dir(folder)
-        .args(["identify", "servo-b-tuned", "--plan", port, "--fit", "load.mass_kg"])
+        .args(asked.split(' '))
         .env("PNEUDRIVE_STATE", folder.join("state"))
         .stdout(Stdio::null())
-        .stderr(Stdio::null())
+        .stderr(told)
         .spawn()
         .expect("the program runs")
 }
@@ -111,4 +116,24 @@ fn a_plan_goes_on_behind_the_records_of_one_that_was_killed() {
     assert!(told < 9 && records() <= of_the_first + told, "{told} tests are run again: {printed}");
     assert!(printed.contains("load.mass_kg"), "all of them are fitted: {printed}");
     assert!(!folder.path().join("identified/plan.state").exists());
+}
+
+#[test]
+fn a_plan_that_is_killed_while_it_fits_moves_nothing_the_next_time() {
+    const TESTS: usize = 9;
+    let (rig, folder) = (virtual_rig("servo-b-tuned"), folder());
+    let state = folder.path().join("identified/plan.state");
+    let asked = format!("identify servo-b-tuned --plan {}", rig.port());
+    let mut killed = started(folder.path(), &asked, Stdio::piped());
+    let told = BufReader::new(killed.stderr.take().expect("piped"));
+    let fits = |line: &String| line.contains("of each transient");
+    assert!(told.lines().map_while(Result::ok).any(|line| fits(&line)), "it ends before it fits");
+    killed.kill().expect("it runs");
+    killed.wait().expect("it was started");
+    let recorded = std::fs::read_to_string(&state).expect("kept while it fits");
+    assert_eq!(recorded.matches(".DAT").count(), TESTS, "{recorded}");
+    let printed = transcript(folder.path(), &format!("{asked} --fit load.mass_kg"));
+    assert!(printed.contains("the plan goes on behind the 9 tests"), "{printed}");
+    assert!(!printed.contains(".DAT: "), "a test is run again: {printed}");
+    assert!(printed.contains("load.mass_kg") && !state.exists(), "{printed}");
 }

@@ -28,6 +28,7 @@ use super::rig_source::{load_choice, rig_text};
 use crate::cli::Identify;
 use crate::exit::Exit;
 use crate::json;
+use kept::Kept;
 
 /// Names of the files in the folder.
 pub(super) const FITTED: &str = "fitted.toml";
@@ -50,14 +51,18 @@ pub(super) fn execute(arguments: &Identify) -> Result<()> {
     } else {
         arguments.fit.iter().map(|key| Parameter::of(&rig, key)).collect::<Result<_>>()?
     };
-    let recorded = match &arguments.plan {
-        Some(port) => planned(arguments, &mut Client::connect(port)?)?,
-        None => named(arguments, &rig)?,
+    let (recorded, kept) = match &arguments.plan {
+        Some(port) => planned(arguments, &mut Client::connect(port)?).map(|(all, kept)| (all, Some(kept)))?,
+        None => (named(arguments, &rig)?, None),
     };
     let figures = read_off(&rig, &recorded);
     say!("{}\n{}", figures.heading, figures.to_text());
-    let found = searched(arguments, (&recorded.fitted, parameters), CancelToken::NEVER)?;
-    written(arguments, &recorded.fitted, figures, &found)?;
+    let found = searched(arguments, (&recorded.fitted, parameters), CancelToken::NEVER);
+    if let Ok(found) = &found {
+        written(arguments, &recorded.fitted, figures, found)?;
+    }
+    kept.map_or(Ok(()), Kept::end)?;
+    let found = found?;
     for table in &report::tables(&found) {
         say!("{}\n{}", table.heading, table.to_text());
     }
@@ -71,8 +76,9 @@ pub(super) fn execute(arguments: &Identify) -> Result<()> {
     )))
 }
 
-/// The records of the tests of the plan.
-pub(super) fn planned(arguments: &Identify, client: &mut Client) -> Result<Recorded> {
+/// The records of the tests of the plan, and what keeps them for a call that follows a killed one, to be ended once the files of the fit are
+/// written, or there is none.
+pub(super) fn planned(arguments: &Identify, client: &mut Client) -> Result<(Recorded, Kept)> {
     make_writable(&arguments.out)?;
     bench::execute(&arguments.rig, client, &arguments.out)
 }

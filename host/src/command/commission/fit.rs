@@ -37,13 +37,20 @@ pub(super) fn identified(
     interrupts: &Interrupts,
 ) -> Result<(Rig, Option<String>)> {
     let mut plan = Identify::of_plan(&arguments.rig, &arguments.port.port, &arguments.out, arguments.pages);
-    let recorded = identify::planned(&plan, client)?;
-    let best = best(&mut plan, rig, &recorded, interrupts)?;
+    let (recorded, kept) = identify::planned(&plan, client)?;
+    let best = best(&mut plan, rig, &recorded, interrupts);
+    // Interrupted, the next call fits these records.
+    interrupts.refuse_if_seen()?;
+    let best = match best {
+        Ok(best) => best,
+        Err(error) => return kept.end().and(Err(error)),
+    };
     let refusal = report::refusal(&best.found);
     plan.rig.settings.clone_from(&best.settings);
     plan.despite_misfit = best.found.spectrum.is_testable() && best.follows_mm <= tolerance_mm(Some(rig));
     json::figures(|| json!({ "settings": best.settings, "follows_mm": best.follows_mm }));
     identify::written(&plan, &recorded.fitted, identify::read_off(rig, &recorded), &best.found)?;
+    kept.end()?;
     if let Some(table) = report::tables(&best.found).first() {
         say!("{}\n{}", table.heading, table.to_text());
     }

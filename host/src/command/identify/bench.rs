@@ -48,7 +48,7 @@ fn with_loop(choice: &RigChoice, control_loop: Loop) -> Result<Rig> {
 }
 
 /// Runs the tests on a rig and writes their TARGET files to a folder.
-pub(super) fn execute(choice: &RigChoice, client: &mut Client, folder: &Path) -> Result<Recorded> {
+pub(super) fn execute(choice: &RigChoice, client: &mut Client, folder: &Path) -> Result<(Recorded, Kept)> {
     let (closed, open) = (with_loop(choice, Loop::Closed)?, with_loop(choice, Loop::Open)?);
     let count = client.status()?.position;
     client.disarm()?;
@@ -62,7 +62,11 @@ pub(super) fn execute(choice: &RigChoice, client: &mut Client, folder: &Path) ->
     }
     let mut kept = Kept::open(folder, &closed, count)?;
     if kept.len() > 0 {
-        tell!("the plan goes on behind the {} tests that an interrupted one has recorded", kept.len());
+        tell!(
+            "the plan goes on behind the {} tests that an interrupted one has recorded; without {} it runs all of them",
+            kept.len(),
+            kept.path().display()
+        );
     }
     let count = kept.count;
     // If this program is killed, the next plan restores the loop.
@@ -71,8 +75,7 @@ pub(super) fn execute(choice: &RigChoice, client: &mut Client, folder: &Path) ->
         plan::run(&mut AtPort { client, folder, kept: Some(&mut kept), left_at }, &closed, &open, count)
     })
     .map_err(of_trip)?;
-    kept.end()?;
-    Ok(recorded)
+    Ok((recorded, kept))
 }
 
 /// The warning about a hanging load during a plan; None if the axis is level as far as a file can say.

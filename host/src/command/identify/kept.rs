@@ -8,6 +8,7 @@
 //! ```
 
 use std::fs;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
@@ -24,7 +25,7 @@ const NAME: &str = "plan.state";
 
 /// The records of a plan so far.
 #[derive(Debug)]
-pub(super) struct Kept {
+pub(in crate::command) struct Kept {
     path: PathBuf,
     /// Where the plan began, counts.
     pub count: i32,
@@ -43,6 +44,11 @@ impl Kept {
         let there = there.filter(|(_, records)| records.iter().all(is_there));
         let (count, records) = there.unwrap_or((count, Vec::new()));
         Ok(Kept { path, count, rig, records })
+    }
+
+    /// The file that is removed to begin anew.
+    pub fn path(&self) -> &Path {
+        &self.path
     }
 
     /// How many tests are recorded.
@@ -66,7 +72,10 @@ impl Kept {
 
     /// The plan is over: the file goes, the records stay.
     pub fn end(self) -> Result<()> {
-        fs::remove_file(&self.path).with_context(|| format!("cannot remove {}", self.path.display()))
+        match fs::remove_file(&self.path) {
+            Err(error) if error.kind() == ErrorKind::NotFound => Ok(()),
+            done => done.with_context(|| format!("cannot remove {}", self.path.display())),
+        }
     }
 }
 
