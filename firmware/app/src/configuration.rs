@@ -195,6 +195,27 @@ impl Configuration {
         (kept.is_afresh() || self.carried >= self.due) && kept.is_worth_storing(&self.saved_learned)
     }
 
+    /// Stores that the law of a drive which has tripped begins afresh, if it stands otherwise in the flash and the other parameters are
+    /// those stored. In force stays what it has tripped with: its record is read with that.
+    ///
+    /// # Errors
+    /// As for [`Configuration::save`].
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn save_afresh(&mut self, kept: &Kept, store: &mut impl Store) -> Result<(), NotStored> {
+        if !(kept.is_afresh() && self.is_saved() && kept.is_worth_storing(&self.saved_learned)) {
+            return Ok(());
+        }
+        let mut parameters = self.parameters().clone();
+        for (id, value) in kept.values() {
+            let set = parameters.set(id, value);
+            debug_assert_eq!(set, Ok(()), "{id}");
+        }
+        self.saves = store.save(&parameters, &self.records)?;
+        self.note_saved(kept.learned);
+        Ok(())
+    }
+
     /// Stores parameters and move records for the next reset.
     ///
     /// # Errors
@@ -203,15 +224,20 @@ impl Configuration {
     #[inline(never)]
     pub fn save(&mut self, store: &mut impl Store) -> Result<(), NotStored> {
         self.saves = store.save(self.parameters(), &self.records)?;
+        self.note_saved(Kept::of(self.parameters()).learned);
+        Ok(())
+    }
+
+    /// What the next reset would load are the parameters in force, but for what the law has kept.
+    fn note_saved(&mut self, learned: Learned) {
         self.saved_hash = Some(self.in_force.hash_but_kept);
         self.saved_null = self.config().law.null_offset;
-        self.saved_learned = Kept::of(self.parameters()).learned;
+        self.saved_learned = learned;
         self.due = self.carried.saturating_add(self.carried.saturating_mul(3).clamp(1, MOST_CARRIED));
         self.records_changed = false;
         self.learned = false;
         self.source = Source::Stored;
         self.ignored = 0;
-        Ok(())
     }
 
     /// Whether the stored configuration is lost and nothing was stored since.

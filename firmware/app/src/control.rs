@@ -10,6 +10,7 @@ mod valve;
 
 use core::borrow::BorrowMut;
 
+use pneudrive_controller::law::cascade::kept::Kept;
 use pneudrive_controller::{Config, Fault, Mode, Parameters, State, output, sample};
 use pneudrive_protocol::Spread;
 
@@ -92,8 +93,8 @@ impl<R: BorrowMut<Recorder>> Control<R> {
         self.parameters().absolute_zero().filter(|_| self.may_know_position)
     }
 
-    /// The work for idle time: settles the timing, and stores logged faults and what was learned once the drive
-    /// rests. The board calls it where it serves the port.
+    /// The work for idle time: settles the timing, and stores logged faults, what was learned, and that nothing is kept of a run that has
+    /// tripped, once the drive rests. The board calls it where it serves the port.
     ///
     /// # Errors
     /// When the flash does not take it.
@@ -102,8 +103,18 @@ impl<R: BorrowMut<Recorder>> Control<R> {
         if !self.flash_may_be_written() {
             return Ok(());
         }
-        self.configuration.save_learned(board.store())?;
-        board.store().flush()
+        // The log first: it says why the drive has tripped.
+        board.store().flush()?;
+        if let Some(kept) = self.kept_of_tripped() {
+            self.configuration.save_afresh(&kept, board.store())?;
+        }
+        self.configuration.save_learned(board.store())
+    }
+
+    /// What is kept at the next arming of a drive in a fault, if a run has led to it.
+    fn kept_of_tripped(&self) -> Option<Kept> {
+        let is_tripped = matches!(self.state.supervisor.mode(), Mode::Fault(_));
+        is_tripped.then(|| self.state.kept(self.config())).flatten()
     }
 
     /// Logs the fault that the drive is in, once: only arming leaves it.

@@ -1,7 +1,6 @@
 //! The digital inputs beside the control: their orders are carried out in pieces, as requests are ([`crate::selector`]).
 
-use crate::configuration::Prepared;
-use crate::shared_drive::SharedDrive;
+use crate::shared_drive::{SharedDrive, with_learned};
 
 /// Reads the inputs, carries out their orders and drives the outputs: once a sample, from the idle task. It works in
 /// pieces, like a request: the learned null offset of the last run is prepared in between.
@@ -9,7 +8,5 @@ pub fn attend(drive: &mut impl SharedDrive) {
     if !drive.lock(|control, board| control.heed_inputs(board)) {
         return;
     }
-    let learned = drive.lock(|control, _| control.learned_parameters());
-    let learned = learned.and_then(|learned| Prepared::of(learned).ok());
-    drive.lock(|control, board| control.begin_selected(learned.as_ref(), board));
+    with_learned(drive, |control, learned, board| control.begin_selected(learned, board));
 }

@@ -7,6 +7,7 @@
 use core::borrow::BorrowMut;
 
 use crate::board::Board;
+use crate::configuration::Prepared;
 use crate::control::Control;
 use crate::recorder::Recorder;
 
@@ -28,5 +29,23 @@ impl<R: BorrowMut<Recorder>, B: Board> SharedDrive for (&mut Control<R>, &mut B)
 
     fn lock<T>(&mut self, work: impl FnOnce(&mut Control<R>, &mut B) -> T) -> T {
         work(self.0, self.1)
+    }
+}
+
+/// Does a piece of work with what the last run has learned, which is prepared before, while the control goes on. It is prepared again if
+/// a run ends or the drive trips meanwhile: what is kept would be of a drive that still runs, or has not tripped. No mode comes back by
+/// itself, so this ends.
+pub(crate) fn with_learned<D: SharedDrive, T>(
+    drive: &mut D,
+    mut work: impl FnMut(&mut Control<D::Recorder>, Option<&Prepared>, &mut D::Board) -> T,
+) -> T {
+    loop {
+        let (mode, learned) = drive.lock(|control, _| (control.mode(), control.learned_parameters()));
+        let learned = learned.and_then(|learned| Prepared::of(learned).ok());
+        let done = drive
+            .lock(|control, board| (control.mode() == mode).then(|| work(control, learned.as_ref(), board)));
+        if let Some(done) = done {
+            return done;
+        }
     }
 }

@@ -2,8 +2,10 @@
 
 use crate::bench::{ARM, AppBench, FakeBoard};
 use pneudrive_app::{Control, Recorder, SharedDrive};
+use pneudrive_controller::choice::{Adapt, Law};
+use pneudrive_controller::law::cascade::kept::Changed;
 use pneudrive_controller::parameters::id;
-use pneudrive_controller::{Config, Mode};
+use pneudrive_controller::{Config, Fault, Mode};
 use pneudrive_protocol::change::Entry;
 use pneudrive_protocol::{RequestBody, Values};
 
@@ -12,6 +14,8 @@ struct Interrupted<'a> {
     control: &'a mut Control,
     board: &'a mut FakeBoard,
     pieces: u32,
+    /// Before this piece it trips.
+    trips_at: Option<u32>,
 }
 
 impl SharedDrive for Interrupted<'_> {
@@ -22,6 +26,9 @@ impl SharedDrive for Interrupted<'_> {
         self.control.on_sample(self.board);
         self.control.on_output(self.board);
         self.board.now_us += 1300;
+        if self.trips_at == Some(self.pieces) {
+            self.control.trip(Fault::LateSample);
+        }
         self.pieces += 1;
         work(self.control, self.board)
     }
@@ -29,8 +36,14 @@ impl SharedDrive for Interrupted<'_> {
 
 /// The replies to a request between whose pieces samples come, and how many pieces it has.
 fn interrupted(bench: &mut AppBench, body: RequestBody<'_>) -> (Vec<u8>, u32) {
+    tripping(bench, body, None)
+}
+
+/// The same of a drive that trips before one of them.
+fn tripping(bench: &mut AppBench, body: RequestBody<'_>, trips_at: Option<u32>) -> (Vec<u8>, u32) {
     let (frame, mut replies) = (bench.frame(body), Vec::new());
-    let mut drive = Interrupted { control: &mut bench.app.control, board: &mut bench.board, pieces: 0 };
+    let (control, board) = (&mut bench.app.control, &mut bench.board);
+    let mut drive = Interrupted { control, board, pieces: 0, trips_at };
     let Ok(()) = bench.app.server.receive_beside(&frame, &mut drive, &mut replies);
     (replies, drive.pieces)
 }
@@ -92,6 +105,61 @@ fn an_arm_between_samples_puts_in_force_what_was_learned_and_nothing_else() {
     assert_eq!(control.config(), &Config::new(&expected).expect("they go together"));
     let hash = pneudrive_app::storage::configuration_hash(&expected);
     assert_eq!(control.configuration().hash(), hash, "what the host compares before a start");
+}
+
+/// A drive that keeps what it learns and has kept twice the mass, so many samples after the start of a run of ten.
+fn keeping(samples: u32) -> AppBench {
+    let mut bench = AppBench::referenced();
+    for (id, value) in [
+        (id::CASCADE_STROKE, 25_000),
+        (id::LAW, Law::Cascade as i32),
+        (id::ADAPT, Adapt::Kept as i32),
+        (id::KEPT_MASS, 131_072),
+    ] {
+        set(&mut bench, id, value);
+    }
+    bench.board.stands = true;
+    let test = Entry::Test { name: "keep", last_sample: 9, round: 0, decimation: 1, pre_trigger: 0 };
+    bench.takes(&[test, Entry::Move { at_sample: 0, target: 0 }]);
+    bench.done(ARM);
+    bench.done(bench.start_request());
+    bench.samples(samples);
+    bench
+}
+
+fn parameter(bench: &AppBench, id: u16) -> i32 {
+    bench.app.control.parameters().get(id).expect("a parameter")
+}
+
+/// It was lost if the run ended between the two pieces of the arming.
+#[test]
+fn an_arm_that_comes_as_a_run_ends_keeps_what_that_has_learned() {
+    let mut armed = 0;
+    for samples in 1..=12 {
+        let mut bench = keeping(samples);
+        let _ = interrupted(&mut bench, ARM);
+        if bench.mode() == Mode::Armed {
+            assert_eq!(parameter(&bench, id::KEPT_ARMINGS), 1, "after {samples} samples");
+            armed += 1;
+        }
+    }
+    assert!((2..12).contains(&armed), "{armed}");
+}
+
+/// It was kept all the same if the drive tripped between the two pieces of the arming.
+#[test]
+fn what_has_tripped_a_drive_while_it_was_armed_again_is_not_kept() {
+    let (_, pieces) = interrupted(&mut keeping(12), ARM);
+    for piece in 0..pieces {
+        let mut bench = keeping(12);
+        let _ = tripping(&mut bench, ARM, Some(piece));
+        if bench.mode() != Mode::Armed {
+            // It has tripped behind the arming: the next one tells.
+            bench.done(ARM);
+        }
+        let kept = [id::KEPT_MASS, id::KEPT_CHANGED].map(|id| parameter(&bench, id));
+        assert_eq!(kept, [65_536, Changed::Tripped as i32], "before piece {piece} of {pieces}");
+    }
 }
 
 #[test]

@@ -5,6 +5,7 @@ use crate::nor_flash::{Flash, SECTOR};
 use pneudrive_app::fault_log::{FaultLog, FaultStore, MEMORY_BYTES, Restored};
 use pneudrive_app::ram_flash::RamFlash;
 use pneudrive_controller::choice::{Adapt, Law};
+use pneudrive_controller::law::cascade::kept::Changed;
 use pneudrive_controller::parameters::id;
 use pneudrive_controller::{Fault, Mode};
 
@@ -122,4 +123,59 @@ fn what_a_law_keeps_is_in_force_at_each_arming_and_stored_at_the_first_the_fourt
     let left = drive.power_cycle().get(id::KEPT_MASS) - 65_536;
     assert!(left.abs_diff(7738) < 4, "7/8 of each before, 16 times, of 65,536: {left}");
     assert!(drive.control.configuration().is_saved(), "but for what was learned");
+}
+
+/// The mains were switched off before anybody had armed it again: it began with the same once more.
+#[test]
+fn what_has_tripped_a_drive_is_not_kept_through_a_power_cut() {
+    let mut drive = drive_that_keeps();
+    for arming in 1..=2 {
+        run(&mut drive, 0);
+        assert_eq!(drive.get(id::KEPT_ARMINGS), arming - 1);
+    }
+    drive.control.arm(&mut drive.board).expect("disarmed");
+    drive.control.start(&mut drive.board).expect("armed");
+    drive.samples(5);
+    drive.control.trip(Fault::PressureDoubtful);
+    let before = drive.control.parameters().clone();
+    for _ in 0..3 {
+        drive.control.tidy_up(&mut drive.board).expect("stored");
+    }
+    assert_eq!(drive.control.parameters(), &before, "the record is read with them");
+    assert!(drive.control.configuration().is_saved(), "but for what was learned");
+    let again = drive.power_cycle();
+    assert_eq!(again.get(id::KEPT_MASS), 65_536);
+    assert_eq!(again.get(id::KEPT_CHANGED), Changed::Tripped as i32);
+    let erases = drive.board.store.flash().erases();
+    drive.control.arm(&mut drive.board).expect("leaves the fault");
+    drive.control.disarm();
+    drive.control.tidy_up(&mut drive.board).expect("nothing to store");
+    assert_eq!(drive.get(id::KEPT_MASS), 65_536);
+    assert_eq!(drive.board.store.flash().erases(), erases, "it stands there already");
+}
+
+#[test]
+fn a_stop_takes_nothing_of_what_is_kept_through_a_power_cut() {
+    let mut drive = drive_that_keeps();
+    run(&mut drive, 0);
+    drive.control.arm(&mut drive.board).expect("disarmed");
+    drive.control.start(&mut drive.board).expect("armed");
+    drive.samples(5);
+    drive.control.stop();
+    drive.control.tidy_up(&mut drive.board).expect("nothing to store");
+    assert!(drive.power_cycle().get(id::KEPT_MASS) > 100_000);
+}
+
+/// Nobody has asked for them to be stored.
+#[test]
+fn a_trip_stores_no_parameters_that_were_not_saved() {
+    let mut drive = drive_that_keeps();
+    drive.set(id::VELOCITY_GAIN, 2000);
+    drive.take_test(9, drive.board.position);
+    drive.control.arm(&mut drive.board).expect("disarmed");
+    drive.control.start(&mut drive.board).expect("armed");
+    drive.samples(5);
+    drive.control.trip(Fault::PressureDoubtful);
+    drive.control.tidy_up(&mut drive.board).expect("nothing to store");
+    assert_eq!(drive.power_cycle().get(id::VELOCITY_GAIN), 1);
 }

@@ -84,6 +84,11 @@ impl<R: BorrowMut<Recorder>> Control<R> {
         Some(changed)
     }
 
+    /// What [`Control::learned_parameters`] follow from, apart from the run: a run may end, and a drive trip, while they are prepared.
+    pub(crate) fn mode(&self) -> Mode {
+        self.state.supervisor.mode()
+    }
+
     /// Puts what was learned in force, and stores it at once if the drive rests.
     fn learn(&mut self, learned: &Prepared, board: &mut impl Board) {
         self.configuration.learn(learned);

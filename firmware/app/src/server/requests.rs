@@ -13,12 +13,11 @@ use super::answers::{
 use super::{Scratch, Talk};
 use crate::board::Board;
 use crate::change::{NotWhole, Parts};
-use crate::configuration::Prepared;
 use crate::control::{ChangeError, Control, SaveRefusal, TakeError};
 use crate::duplicate_filter::counts_in_any_boot;
 use crate::ownership::{Need, Requester};
 use crate::recorder::Recorder;
-use crate::shared_drive::SharedDrive;
+use crate::shared_drive::{SharedDrive, with_learned};
 use crate::store::Store;
 
 /// Carries out a request, unless it was meant for another boot, or another host commands the drive.
@@ -152,9 +151,7 @@ fn admission<R: BorrowMut<Recorder>>(
 /// Arms. The learned null offset of the last run is prepared while the control goes on: a holding drive may be armed
 /// again.
 fn arm<'a>(drive: &mut impl SharedDrive, by: &Requester<'_>) -> ReplyBody<'a> {
-    let learned = drive.lock(|control, _| control.learned_parameters());
-    let learned = learned.and_then(|learned| Prepared::of(learned).ok());
-    drive.lock(|control, board| done(control.arm_with(learned.as_ref(), by, board).map_err(not_now)))
+    with_learned(drive, |control, learned, board| done(control.arm_with(learned, by, board).map_err(not_now)))
 }
 
 /// Starts, unless the drive is armed with another test than the one that is named, or has other parameters.
