@@ -1,6 +1,8 @@
 //! `pneudrive device` on a virtual rig: homing, stored configuration, fault log.
 
 use std::fs;
+use std::io::{Read, Write};
+use std::net::{TcpListener, TcpStream};
 #[cfg(unix)]
 use std::process::{Command, Stdio};
 
@@ -376,4 +378,48 @@ fn what_a_drive_has_learned_is_shown_in_units_and_forgotten_on_request() {
     let forgotten = typed("device --port PORT learned --forget");
     assert_eq!(forgotten, "forgotten: the next run begins with what the rig file says\n= 0");
     assert!(learned().starts_with("kept of     0 armings\n"));
+}
+
+/// It was dropped without a word.
+#[test]
+fn a_rig_file_for_what_is_forgotten_is_refused() {
+    let refused = transcript(folder().path(), "device --port tcp://127.0.0.1:1 learned --forget --rig press");
+    assert!(refused.contains("'--forget' cannot be used with '--rig <RIG>'"), "{refused}");
+}
+
+/// Passes one connection on to a rig, and counts the frames that go there: each ends with a zero.
+fn frames_of(rig: &str, ask: impl FnOnce(&str)) -> usize {
+    let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
+    let address = listener.local_addr().expect("bound");
+    let to = TcpStream::connect(rig.trim_start_matches("tcp://")).expect("a rig");
+    let (mut answers, mut requests) = (to.try_clone().expect("a handle"), to);
+    let counted = std::thread::spawn(move || {
+        let (mut host, _) = listener.accept().expect("a host");
+        let mut back = host.try_clone().expect("a handle");
+        std::thread::spawn(move || std::io::copy(&mut answers, &mut back));
+        let (mut frames, mut bytes) = (0, [0; 4096]);
+        loop {
+            match host.read(&mut bytes) {
+                Ok(0) | Err(_) => return frames,
+                Ok(read) => {
+                    frames += bytes[..read].iter().filter(|byte| **byte == 0).count();
+                    requests.write_all(&bytes[..read]).expect("it listens");
+                }
+            }
+        }
+    });
+    ask(&format!("tcp://{address}"));
+    counted.join().expect("it counted")
+}
+
+/// It read all parameters twice, in blocks of 64.
+#[test]
+fn a_status_takes_few_requests() {
+    let (folder, served) = (folder(), virtual_rig("press"));
+    let status = |port: &str| {
+        let shown = transcript(folder.path(), &format!("device --port {port} status"));
+        assert!(shown.starts_with("mode        disarmed\n"), "{shown}");
+    };
+    let frames = frames_of(served.port(), status);
+    assert!((5..=9).contains(&frames), "{frames}");
 }

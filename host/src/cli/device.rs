@@ -77,7 +77,7 @@ pub enum DeviceAction {
         #[arg(long)]
         rig: Option<String>,
         /// Begin afresh, also after a reset. The drive must be disarmed
-        #[arg(long)]
+        #[arg(long, conflicts_with = "rig")]
         forget: bool,
     },
     /// Read, change, store, export and import the controller's parameters

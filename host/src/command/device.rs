@@ -236,7 +236,8 @@ fn words_of(owner: &Commander) -> String {
 fn status(client: &mut Client, counts: bool) -> Result<()> {
     let status = client.status()?;
     let Status { fault, index, duration_samples, .. } = status;
-    let units = units::of(client, counts);
+    let parameters = client.scalars();
+    let units = units::by(&parameters, counts);
     let motion = client.motion()?;
     json::figures(|| status_figures(&units, &status));
     json::figures(|| {
@@ -260,7 +261,7 @@ fn status(client: &mut Client, counts: bool) -> Result<()> {
     say!("mode        {mode}");
     say!("referenced  {}", if status.referenced { "yes" } else { "no" });
     say!("moves       {}", moves(&motion));
-    let changed = client.parameters().ok().and_then(|parameters| learned::changed(&parameters));
+    let changed = parameters.as_ref().ok().and_then(learned::changed);
     json::figures(|| json!({ "learned_changed": changed.map(|(word, _)| word) }));
     if let Some((_, advice)) = changed {
         say!("learned     {advice}");

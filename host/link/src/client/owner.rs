@@ -122,7 +122,7 @@ impl Client {
     /// When a check is switched off that it was not told to do without, when the drive refuses, for instance because
     /// another host commands it, or does not answer.
     pub fn arm(&mut self) -> Result<Vec<Fault>> {
-        let parameters = self.scalars()?;
+        let parameters = self.scalars()?.values;
         let off = self.refuse_unwatched(&parameters)?;
         self.ask_done(RequestBody::Arm { host: &host_name() })?;
         self.commands = true;

@@ -33,13 +33,16 @@ impl Client {
         bail!("{}: its parameters change while they are read; is another program using the rig?", self.name)
     }
 
-    /// All but the gain profile, as they are in force.
-    pub(super) fn scalars(&mut self) -> Result<Parameters> {
+    /// All but the gain profile, as they are in force. Another program may change them while they are read.
+    ///
+    /// # Errors
+    /// When the rig does not answer, or has a value out of this program's range.
+    pub fn scalars(&mut self) -> Result<RigParameters> {
         let mut read = RigParameters::default();
         for (first_id, count) in blocks().filter(|(first_id, _)| *first_id < id::GAIN_PROFILE) {
             self.read_block(first_id, first_id + u16::from(count), &mut read)?;
         }
-        Ok(read.values)
+        Ok(read)
     }
 
     fn read_blocks(&mut self) -> Result<RigParameters> {
