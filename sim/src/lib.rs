@@ -71,4 +71,4 @@ pub use follow::follow;
 pub use plant::{Accuracy, PERTURBATION, Plant};
 pub use pneudrive_solver::{IntegrationError, Method};
 pub use rig::Rig;
-pub use run::{Record, Recording, Run, Runner, run, run_keeping, run_recorded};
+pub use run::{Record, Recording, Run, Runner, run, run_changing, run_keeping, run_recorded};

@@ -109,7 +109,7 @@ pub fn run_recorded(
     progress: impl FnMut(u32, u32),
 ) -> Result<Run, IntegrationError> {
     let mut runner = Runner::in_memory_of(Run::new(), rig, accuracy, recording, &Kept::default());
-    runner.run_watched(progress)?;
+    runner.run_watched(progress, |_, _| {})?;
     Ok(runner.run)
 }
 
@@ -118,8 +118,21 @@ pub fn run_recorded(
 /// # Errors
 /// When the integration fails.
 pub fn run_keeping(rig: &Rig, accuracy: Accuracy, kept: &Kept) -> Result<Run, IntegrationError> {
+    run_changing(rig, accuracy, kept, |_, _| {})
+}
+
+/// The same on a plant that changes in between: `change` is given each sample's number, and the plant at it, before that is read.
+///
+/// # Errors
+/// When the integration fails.
+pub fn run_changing(
+    rig: &Rig,
+    accuracy: Accuracy,
+    kept: &Kept,
+    change: impl FnMut(u64, &mut Plant),
+) -> Result<Run, IntegrationError> {
     let mut runner = Runner::in_memory_of(Run::new(), rig, accuracy, Recording::default(), kept);
-    runner.run_watched(|_, _| {})?;
+    runner.run_watched(|_, _| {}, change)?;
     Ok(runner.run)
 }
 
@@ -171,14 +184,19 @@ impl<R: Record> Runner<R> {
     /// # Errors
     /// When the integration fails.
     pub fn run(&mut self) -> Result<&Run<R>, IntegrationError> {
-        self.run_watched(|_, _| {})
+        self.run_watched(|_, _| {}, |_, _| {})
     }
 
-    fn run_watched(&mut self, mut progress: impl FnMut(u32, u32)) -> Result<&Run<R>, IntegrationError> {
+    fn run_watched(
+        &mut self,
+        mut progress: impl FnMut(u32, u32),
+        mut change: impl FnMut(u64, &mut Plant),
+    ) -> Result<&Run<R>, IntegrationError> {
         self.run.clear();
         let mut drive = self.start.clone();
         let mut next_row_us = 0;
         for k in 0..=u64::from(self.last_sample) {
+            change(k, &mut drive.plant);
             let reading = drive.plant.reading()?;
             self.run.readings.push(reading);
             let command = drive.control(&reading);

@@ -12,6 +12,7 @@
 //! | [`arrival`] | how a step ended, and how far a drive was from a sine |
 //! | [`armings`] | the first steps after several armings |
 //! | [`score`] | both over all draws |
+//! | [`mod@soak`] | many moves in many armings of a drive that changes |
 //! | [`bang_bang`] | the bound on the time of a step |
 //! | [`mod@beside`] | the steps of any run beside that bound |
 //!
@@ -25,6 +26,7 @@ pub mod beside;
 pub mod course;
 pub mod draw;
 pub mod score;
+pub mod soak;
 
 use anyhow::Result;
 use pneudrive_evaluate::parallel;

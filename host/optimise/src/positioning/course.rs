@@ -171,12 +171,12 @@ impl Sine {
 }
 
 /// The middle of a count, mm: where the drive is when the law sees no error.
-fn at_count(rig: &Rig, counts: i64) -> f64 {
+pub(super) fn at_count(rig: &Rig, counts: i64) -> f64 {
     encoder::middle(rig, counts as f64) * mm_per_count(rig)
 }
 
 /// Between which setpoints all moves lie, counts.
-fn range(rig: &Rig) -> [i64; 2] {
+pub(super) fn range(rig: &Rig) -> [i64; 2] {
     let stroke_mm = 1e3 * rig.get(&keys::actuator::STROKE_M);
     let low = rig.get(&keys::safety::END_MIN_MM).unwrap_or(0.0).max(MARGIN * stroke_mm);
     let high = rig.get(&keys::safety::END_MAX_MM).unwrap_or(stroke_mm).min((1.0 - MARGIN) * stroke_mm);

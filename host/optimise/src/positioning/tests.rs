@@ -3,6 +3,7 @@
 mod beside;
 mod draws;
 mod judged;
+mod soak;
 
 use pneudrive_design::six_drives::rig_file_of;
 use pneudrive_sim::Rig;
