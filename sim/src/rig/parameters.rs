@@ -100,7 +100,9 @@ impl Rig {
     fn of_supervisor(&self) -> Vec<(u16, i32)> {
         use keys::safety as key;
         let pulse_m = pulse(self);
-        let counts = |metres| encoder::counts_of(self, metres) as i32;
+        // What lies beyond what the controller can count is as far as it can.
+        let most = i64::from(i32::MAX);
+        let counts = |metres| encoder::counts_of(self, metres).clamp(-most, most) as i32;
         let margin = self.get(&key::POSITION_MARGIN_MM) * 1e-3;
         let step = self.get(&key::MAX_SPEED_M_S) * self.get(&keys::controller::PERIOD_S);
         let [low, high] = self.open_sensors();

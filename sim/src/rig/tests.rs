@@ -289,6 +289,13 @@ fn setpoints_beyond_a_soft_limit_are_refused() {
     );
 }
 
+/// -1 m is -3.6e9 counts of 300 mm/2^30: it once came to +7e8, and a run with moves that the check had passed panicked.
+#[test]
+fn a_soft_limit_beyond_what_the_controller_can_count_holds_no_setpoint_back() {
+    let fine = "[encoder]\nmodel = \"potentiometer\"\nbits = 30\n[safety]\nend_min_mm = -1000\n";
+    assert_eq!(read(fine).parameters().get(id::END_MIN_COUNTS), Some(-i32::MAX));
+}
+
 #[test]
 fn the_last_entry_of_the_gain_profile_repeats() {
     let parameters = read("[controller]\ngain_profile = [900, 300]\n").parameters();
