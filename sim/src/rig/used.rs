@@ -2,6 +2,7 @@
 //! is written where it has none is refused ([`crate::rig`]), as nobody would notice otherwise that it does nothing.
 
 use std::collections::BTreeSet;
+use std::ptr;
 
 use super::table::{all_keys, chooser, find_key, preset_value};
 use crate::component::controller::Law;
@@ -151,7 +152,8 @@ impl Rig {
                 return Some(in_words(self, chooser));
             }
         }
-        let of_key = TABLE.iter().filter(|(keys, _)| keys.iter().any(|one| one.path == key.path));
+        // The path of a key, also of a copy of it, is one text at one place.
+        let of_key = TABLE.iter().filter(|(keys, _)| keys.iter().any(|one| ptr::eq(one.path, key.path)));
         of_key.flat_map(|(_, all)| all.iter()).find_map(|when| when.broken(self))
     }
 
@@ -219,6 +221,15 @@ mod tests {
                 };
                 assert!(!words.is_empty() && words.iter().all(known), "{}: {words:?}", key.path);
             }
+        }
+    }
+
+    #[test]
+    fn a_row_of_the_table_holds_for_every_key_in_it_and_for_a_copy() {
+        for key in TABLE.iter().flat_map(|(keys, _)| keys.iter()) {
+            let copy = **key;
+            let listed = find_key(key.path).expect("a key of the list");
+            assert!(ptr::eq(listed.path, key.path) && ptr::eq(copy.path, key.path), "{}", key.path);
         }
     }
 
