@@ -260,7 +260,7 @@ fn column_list() -> String {
         EXTRAS.iter().filter(has).map(line).collect()
     });
     format!(
-        "Columns:\n{}  {OF_VALVE:<28}all of these\n\nWith supply.model = \"receiver\" a trace has these anyway:\n{of_receiver}\nand with controller.law = \"cascade\" these:\n{of_law}",
+        "Columns:\n{}  {OF_VALVE:<28}all of these\n\nWith supply.model = \"receiver\" or \"regulator\" a trace has these anyway:\n{of_receiver}\nand with controller.law = \"cascade\" these:\n{of_law}",
         of_valve().map(line).collect::<String>(),
     )
 }

@@ -26,6 +26,7 @@ pub use crate::component::sensors::keys as sensors;
 pub use crate::component::stop::keys as stop;
 pub use crate::component::supply::keys as supply;
 pub use crate::component::supply::receiver::keys as receiver;
+pub use crate::component::supply::regulator::keys as regulator;
 pub use crate::component::tubing::keys as tubing;
 pub use crate::component::valve::discharge::keys as discharge;
 pub use crate::component::valve::flow_force::keys as flow_force;

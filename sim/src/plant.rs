@@ -222,7 +222,7 @@ impl Plant {
         self.restless &= self.due.is_some();
     }
 
-    /// Changes the supply pressure, or that of the line in front of a receiver, from the present sample on, Pa absolute; within the
+    /// Changes the supply pressure, that of the line in front of a receiver, or what a regulator is set to, from the present sample on, Pa absolute; within the
     /// range of `supply.pressure_pa`.
     pub fn set_supply_pressure(&mut self, pressure: f64) {
         let at = self.sample_time;

@@ -47,7 +47,7 @@ keys! {
     PRESSURE_2_PA: f64 = number("test.pressure_2_pa", 400_000.0, 1e4, 5e6, "", "Chamber 2 at the start, absolute.");
     TEMPERATURE_1_K: f64 = number("test.temperature_1_k", 294.0, 150.0, 600.0, "", "Chamber 1 at the start.");
     TEMPERATURE_2_K: f64 = number("test.temperature_2_k", 294.0, 150.0, 600.0, "", "Chamber 2 at the start.");
-    RECEIVER_PRESSURE_PA: Option<f64> = optional_number("test.receiver_pressure_pa", 1e4, 5e6, "supply.pressure_pa, that of the line", "", "Receiver of the supply at the start, absolute.");
+    RECEIVER_PRESSURE_PA: Option<f64> = optional_number("test.receiver_pressure_pa", 1e4, 5e6, "supply.pressure_pa", "", "Receiver of the supply, or volume behind its regulator, at the start, absolute.");
 }
 
 /// The forms in which a test gives its moves. A rig has one of them.

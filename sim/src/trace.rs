@@ -114,7 +114,7 @@ impl Extra {
     pub fn of_rig(rig: &Rig) -> Vec<&'static Extra> {
         let has = |extra: &&Extra| match extra.of {
             Source::Valve(_) => false,
-            Source::Receiver(_) => rig.get(&supply::keys::MODEL) == SupplyKind::Receiver,
+            Source::Receiver(_) => rig.get(&supply::keys::MODEL) != SupplyKind::Ideal,
             Source::Law(_) => rig.knows_its_drive(),
         };
         EXTRAS.iter().filter(has).collect()
@@ -152,9 +152,11 @@ pub static EXTRAS: [Extra; 27] = [
     extra("exhaust_flow_2_kg_s", "from the exhaust into the node of port 2", |v| v.exhaust_flows[1]),
     received("receiver_pressure_pa", "P of the receiver, absolute", |r| r.pressure),
     received("receiver_temperature_k", "T of the receiver", |r| r.temperature),
-    received("receiver_flow_kg_s", "from the line into the receiver; negative when air flows back", |r| {
-        r.feed_flow
-    }),
+    received(
+        "receiver_flow_kg_s",
+        "from the line into the receiver; negative when air flows back or a regulator relieves",
+        |r| r.feed_flow,
+    ),
     known("law_phase", "what the law does: 0 rest, 1 a trajectory of its own, 2 a profile", |k| k.stage),
     known("law_reference_mm", "where the law wants the load", |k| k.reference * 1e3),
     known("law_reference_velocity_m_s", "how fast the law wants the load", |k| k.reference_velocity),

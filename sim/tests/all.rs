@@ -29,6 +29,7 @@ mod physics;
 mod ranges;
 mod receiver;
 mod reference;
+mod regulator;
 mod rests_outside;
 mod return_spring;
 mod runner;

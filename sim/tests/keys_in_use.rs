@@ -127,6 +127,15 @@ const VARIANTS: &[(&str, &[&str])] = &[
     (
         "servo-b-tuned",
         &[
+            "supply.model=regulator",
+            "supply.receiver_volume_m3=5e-4",
+            "test.receiver_pressure_pa=600e3",
+            "faults.event=[{ kind = \"supply-dip\", at_s = 0.03, duration_s = 0.1, pressure_pa = 2e5 }]",
+        ],
+    ),
+    (
+        "servo-b-tuned",
+        &[
             "actuator.cushion=adjustable",
             "actuator.cushion_2_length_m=0.15",
             "actuator.cushion_spear_diameter_m=0.03",

@@ -16,40 +16,40 @@ use pneudrive_sim::{Accuracy, Method, Recording, Rig, run, run_recorded};
 
 use crate::vessel::charged;
 
-const R: f64 = 286.76;
-const N: f64 = 1.4;
-const T: f64 = 293.15;
-const DENSITY: f64 = 1.185;
+pub const R: f64 = 286.76;
+pub const N: f64 = 1.4;
+pub const T: f64 = 293.15;
+pub const DENSITY: f64 = 1.185;
 const HIGH: f64 = 7e5;
-const OUTSIDE: f64 = 101_325.0;
-const VOLUME: f64 = 1e-3;
+pub const OUTSIDE: f64 = 101_325.0;
+pub const VOLUME: f64 = 1e-3;
 /// C and b of the line's opening, and C of the valve.
 const C: f64 = 8e-9;
 const B: f64 = 0.25;
-const C_VALVE: f64 = 1.375e-8;
+pub const C_VALVE: f64 = 1.375e-8;
 
 /// Walls that hold the temperature.
 const ISOTHERMAL: &str = "supply.receiver_heat_transfer_w_per_m2_k=1e5";
-const SHUT: &str = "test.moves=[[0.0, 0]]";
-const OPEN: &str = "test.moves=[[0.0, 2048]]";
+pub const SHUT: &str = "test.moves=[[0.0, 0]]";
+pub const OPEN: &str = "test.moves=[[0.0, 2048]]";
 
-fn rig_of(text: &str, parts: &[&[&str]]) -> Rig {
+pub fn rig_of(text: &str, parts: &[&[&str]]) -> Rig {
     let settings: Vec<String> = parts.concat().iter().map(ToString::to_string).collect();
     Rig::read_with("received", text, &settings).unwrap_or_else(|problems| panic!("{problems}"))
 }
 
 /// A receiver of one litre behind a valve, whose cylinder sticks.
-fn vessel(parts: &[&[&str]], faults: &str) -> Rig {
+pub fn vessel(parts: &[&[&str]], faults: &str) -> Rig {
     let receiver = ["supply.model=receiver", "supply.receiver_volume_m3=1e-3"];
     let text = format!("{}{faults}", include_str!("../../docs/examples/vessel.toml"));
     rig_of(&text, &[&[&receiver[..]], parts].concat())
 }
 
-fn rows(rig: &Rig) -> Vec<Row> {
+pub fn rows(rig: &Rig) -> Vec<Row> {
     run(rig, Accuracy::of(rig)).expect("it runs").rows
 }
 
-fn pressure(row: &Row) -> f64 {
+pub fn pressure(row: &Row) -> f64 {
     row.receiver.expect("a receiver").pressure
 }
 
@@ -58,7 +58,7 @@ fn tau(conductance: f64) -> f64 {
 }
 
 /// The largest distance from a closed form, of the pressure that the latter has.
-fn largest_gap(rows: &[Row], closed: impl Fn(f64) -> Option<f64>) -> f64 {
+pub fn largest_gap(rows: &[Row], closed: impl Fn(f64) -> Option<f64>) -> f64 {
     let gaps: Vec<f64> =
         rows.iter().filter_map(|row| Some((pressure(row) / closed(row.time)? - 1.0).abs())).collect();
     assert!(gaps.len() > 50, "{} samples", gaps.len());
@@ -129,7 +129,7 @@ fn a_line_charges_a_receiver_to_its_own_pressure_as_iso_6358_says() {
 const FINE: Accuracy = Accuracy { method: Method::DormandPrince, tolerance: 3e-12 };
 
 /// Servo-drive B with a receiver of half a litre, whose valve opens; nothing bends its flows.
-fn servo(parts: &[&[&str]]) -> Rig {
+pub fn servo(parts: &[&[&str]]) -> Rig {
     let smooth = [
         "supply.model=receiver",
         "supply.receiver_volume_m3=5e-4",
@@ -171,7 +171,9 @@ fn exchanged(row: &Row) -> [(f64, f64); 3] {
         let flow = valve.exhaust_flows[i];
         (flow, if flow < 0.0 { valve.node_temperatures[i] } else { 294.0 })
     };
-    [(row.receiver.expect("a receiver").feed_flow, 294.0), outside(0), outside(1)]
+    let receiver = row.receiver.expect("a receiver");
+    let feed = receiver.feed_flow;
+    [(feed, if feed < 0.0 { receiver.temperature } else { 294.0 }), outside(0), outside(1)]
 }
 
 #[test]
@@ -186,7 +188,7 @@ fn receiver_and_drive_hold_the_mass_and_the_energy_that_line_exhaust_and_piston_
 }
 
 /// Mass and energy of these rows to a billionth, with the heat that the receiver's walls give, W.
-fn balance(rows: &[Row], heat: impl Fn(&Row) -> f64) {
+pub fn balance(rows: &[Row], heat: impl Fn(&Row) -> f64) {
     let rows = &rows[..rows.len() - (rows.len() + 1) % 2];
     let (first, last) = (&rows[0], &rows[rows.len() - 1]);
     assert!(last.plant.position > first.plant.position + 0.05, "it moves");
@@ -240,7 +242,7 @@ fn while_a_drive_moves_the_receiver_droops_by_the_mass_that_it_draws() {
 }
 
 /// A valve by its conductance right at the cylinder.
-const BY_CONDUCTANCE: [&str; 5] = [
+pub const BY_CONDUCTANCE: [&str; 5] = [
     "valve.model=iso-6358",
     "valve.characteristic=linear",
     "valve.sonic_conductance_m3_per_s_pa=2e-8",
@@ -273,7 +275,7 @@ fn the_pressure_of_a_receiver_converges_with_the_tolerance() {
     }
 }
 
-const PRESS: &str = include_str!("cascade/press.toml");
+pub const PRESS: &str = include_str!("cascade/press.toml");
 const RECEIVER: &str = "supply.model=receiver";
 
 /// What a receiver of a volume V keeps from being an ideal supply goes with 1/V.
@@ -301,7 +303,7 @@ fn an_infinite_receiver_is_the_ideal_supply() {
 
 /// The drive of `rig new` with its law, to and fro four times: the latest time at which a move comes within 0.05 mm for good (s), how far
 /// one goes beyond its target (mm), and the lowest pressure in front of the valve (Pa).
-fn driven(more: &[&str]) -> [f64; 3] {
+pub fn driven(more: &[&str]) -> [f64; 3] {
     let moves = ["test.moves=[[0.0, 20000], [0.8, 5000], [1.6, 20000], [2.4, 5000]]", "test.duration_s=3.2"];
     let rig = rig_of(PRESS, &[&moves, more]);
     let run = run(&rig, Accuracy::of(&rig)).expect("it runs");

@@ -69,7 +69,7 @@ impl Drive {
             _ => None,
         });
         let [Some(filling), Some(venting)] = paths else { return None };
-        // Their throttles are not in the conductance of the valve, and a receiver does not hold the pressure.
+        // Their throttles are not in the conductance of the valve, and a receiver or a regulator does not hold the pressure.
         if has_flow_controls(rig) || has_cushions(rig) || rig.get(&keys::supply::MODEL) != SupplyKind::Ideal {
             return None;
         }

@@ -321,7 +321,8 @@ function cushioned(cushion) {
 
 /** What is between the supply and the valve, by its volume in m3. */
 function receiver(model, volume) {
-  return model === 'receiver' ? `, receiver of ${round(1e3 * volume)} l` : '';
+  const words = { receiver: 'receiver of', regulator: 'regulator with' }[model];
+  return words ? `, ${words} ${round(1e3 * volume)} l` : '';
 }
 
 /** The colours from the exhaust's pressure to the supply's. */

@@ -8,6 +8,7 @@ use crate::component::gas::Gas;
 use crate::component::load::Load;
 use crate::component::operator::Operator;
 use crate::component::supply::receiver::Receiver;
+use crate::component::supply::regulator;
 use crate::component::valve::Valve;
 use crate::component::valve::flow_force::FlowForce;
 use crate::continuous::ContinuousLaw;
@@ -31,7 +32,7 @@ pub(crate) fn drive(rig: &Rig) -> (Parts, StateVector) {
         cushions,
         load: Load::of(rig),
         operator: Operator::of(rig),
-        supply_pressure: rig.get(&keys::supply::PRESSURE_PA),
+        supply_pressure: rig.get(regulator::line_pressure(rig)),
         receiver: Receiver::of(rig),
         network: Network::of(rig, gas),
         flow_force: FlowForce::of(rig),

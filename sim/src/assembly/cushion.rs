@@ -31,7 +31,7 @@ impl Cushions {
 /// Places of two states that a rig's drive does not have.
 fn free_places(rig: &Rig) -> Option<[usize; 2]> {
     let tubes_lag = rig.get(&tubing::LAG_S) > 0.0;
-    let draws = rig.get(&supply::MODEL) == SupplyKind::Receiver;
+    let draws = rig.get(&supply::MODEL) != SupplyKind::Ideal;
     if !tubes_lag && !draws {
         Some([slot::RATIO[0], slot::RATIO[1]])
     } else if rig.get(&sensors::PRESSURE_LAG_S) == 0.0 {
@@ -46,7 +46,7 @@ fn free_places(rig: &Rig) -> Option<[usize; 2]> {
 /// The constraints between cushions and what has states of its own.
 pub(crate) fn check(rig: &Rig, findings: &mut Findings) {
     if has_cushions(rig) && free_places(rig).is_none() {
-        let message = "\"adjustable\": the states of its air have no place beside a receiver or lagged tubes, lagged pressure sensors and bristles at once; leave out one of supply.model = \"receiver\" or tubing.lag_s, sensors.pressure_lag_s, and a load.friction with bristles";
+        let message = "\"adjustable\": the states of its air have no place beside a receiver or lagged tubes, lagged pressure sensors and bristles at once; leave out one of supply.model (a receiver or a regulator) or tubing.lag_s, sensors.pressure_lag_s, and a load.friction with bristles";
         findings.note(&keys::CUSHION, message);
     }
 }

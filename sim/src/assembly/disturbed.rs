@@ -26,9 +26,11 @@ impl Assembly {
         true
     }
 
-    /// The supply, or the line in front of its receiver, has another pressure from `t` on, Pa.
+    /// The supply, or the line in front of its receiver, has another pressure from `t` on, Pa, or its regulator is set to another.
     pub fn set_supply_pressure(&mut self, t: f64, x: &StateVector, pressure: f64) -> Derivative {
-        self.parts.supply_pressure = pressure;
+        if !self.parts.receiver.as_mut().is_some_and(|receiver| receiver.set_regulator(pressure)) {
+            self.parts.supply_pressure = pressure;
+        }
         self.supply_the_network();
         self.next_spool_event = None;
         self.solved = None;

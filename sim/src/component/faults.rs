@@ -4,7 +4,7 @@
 //! |---|---|
 //! | swapped-tubes | valve port 1 feeds chamber 2, port 2 chamber 1; a tube stays with its chamber |
 //! | stuck-spool | the spool stays where it is, with any operator |
-//! | supply-dip | the supply, or the line in front of its receiver, has another pressure for a while; of several the deepest counts |
+//! | supply-dip | the supply, or the line in front of its receiver or regulator, has another pressure for a while; of several the deepest counts |
 //! | leak | a hole leads from a chamber to the surroundings (`leak`); several add up |
 //! | encoder-loss | the count stays that of the sample before (`sensing`) |
 //! | encoder-jump | the count is off by a number; several add up |
@@ -23,6 +23,7 @@ pub(crate) use sensing::SensorFaults;
 use std::f64::consts::PI;
 
 use crate::component::actuator::vent;
+use crate::component::supply::regulator;
 use crate::component::{exhaust, supply};
 use crate::key::{
     self, Choice, Key, Kind, Preset, Tables, integer, keys, number, optional_number, other, words,
@@ -279,7 +280,8 @@ impl Rig {
 
 /// The constraints between events and the rest of a rig.
 pub(crate) fn check(rig: &Rig, findings: &mut Findings) {
-    let (low, high) = (rig.get(&exhaust::keys::PRESSURE_PA), rig.get(&supply::keys::PRESSURE_PA));
+    let line = regulator::line_pressure(rig);
+    let (low, high) = (rig.get(&exhaust::keys::PRESSURE_PA), rig.get(line));
     let vented = rig.get(&vent::keys::VENTED).chamber();
     for event in rig.fault_events() {
         if let FaultKind::Leak { chamber, .. } = event.kind
@@ -293,7 +295,7 @@ pub(crate) fn check(rig: &Rig, findings: &mut Findings) {
         if let FaultKind::SupplyDip { pressure, .. } = event.kind
             && !(low < pressure && pressure < high)
         {
-            findings.note(&keys::EVENT, format!("pressure_pa = {pressure} is not a dip: it must be between exhaust.pressure_pa = {low} and supply.pressure_pa = {high}"));
+            findings.note(&keys::EVENT, format!("pressure_pa = {pressure} is not a dip: it must be between exhaust.pressure_pa = {low} and {} = {high}", line.path));
         }
     }
 }

@@ -1,6 +1,7 @@
-//! The supply: an ideal reservoir, or a receiver behind a line ([`receiver`]).
+//! The supply: an ideal reservoir, a receiver behind a line ([`receiver`]), or one behind a regulator ([`regulator`]).
 
 pub mod receiver;
+pub mod regulator;
 
 use crate::component::air::GasState;
 use crate::component::gas::Gas;
@@ -14,12 +15,14 @@ words! {
         Ideal = "ideal",
         /// A volume of air, which a line feeds.
         Receiver = "receiver",
+        /// The same, which a regulator feeds.
+        Regulator = "regulator",
     }
 }
 
 keys! {
-    MODEL: SupplyKind = choice("supply.model", "", "Where the valve's air comes from: a reservoir of constant pressure, or a receiver of a volume, which the valve empties and a line fills.");
-    PRESSURE_PA: f64 = number("supply.pressure_pa", 589_000.0, 2e4, 5e6, "C(5)", "Absolute supply pressure; with a receiver that of the line in front of it.").spread();
+    MODEL: SupplyKind = choice("supply.model", "", "Where the valve's air comes from: a reservoir of constant pressure, a receiver of a volume, which the valve empties and a line fills, or the volume behind a pressure regulator.");
+    PRESSURE_PA: f64 = number("supply.pressure_pa", 589_000.0, 2e4, 5e6, "C(5)", "Absolute supply pressure; with a receiver that of the line in front of it, with a regulator what it is set to at no flow.").spread();
     TEMPERATURE_K: f64 = number("supply.temperature_k", 294.0, 150.0, 600.0, "C(6)", "Supply temperature; with a receiver that of the line, and of the receiver at the start.");
 }
 

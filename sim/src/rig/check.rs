@@ -16,6 +16,7 @@ use crate::component::actuator::Actuator;
 use crate::component::actuator::cushion::{Cushion, has_cushions};
 use crate::component::controller::{ControllerKind, Law, Loop};
 use crate::component::load::Load;
+use crate::component::supply::receiver;
 use crate::component::tubing::speed_outweighs_supply_tube;
 use crate::component::{actuator, controller, encoder, faults, friction, operator, sensors, valve};
 use crate::key::{Choice, Typed};
@@ -66,6 +67,7 @@ fn check(rig: &Rig, findings: &mut Findings) {
         cascade::check,
         schedule::check,
         start::check,
+        receiver::check,
         cushion::check,
         faults::check,
         gain_bug::check,

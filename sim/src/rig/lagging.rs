@@ -22,6 +22,7 @@ use crate::component::supply::SupplyKind;
 use crate::component::tubing::{Tube, tubes};
 use crate::component::valve::Valve;
 use crate::component::{exhaust, supply};
+use crate::key::Choice;
 use crate::keys;
 use crate::network::{Network, PortFlow};
 use crate::values::{Findings, Rig};
@@ -40,8 +41,12 @@ const MAX_LAG_S: f64 = 1.0;
 
 pub(super) fn check(rig: &Rig, findings: &mut Findings) {
     let lag = rig.get(&keys::tubing::LAG_S);
-    if lag > 0.0 && rig.get(&keys::supply::MODEL) != SupplyKind::Ideal {
-        let message = "must be 0 beside supply.model = \"receiver\": tubes lag behind an ideal supply alone";
+    let supply = || rig.get(&keys::supply::MODEL);
+    if lag > 0.0 && supply() != SupplyKind::Ideal {
+        let message = format!(
+            "must be 0 beside supply.model = {:?}: tubes lag behind an ideal supply alone",
+            supply().word()
+        );
         findings.note(&keys::tubing::LAG_S, message);
         return;
     }

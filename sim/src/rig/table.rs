@@ -17,7 +17,7 @@ static LISTS: &[&[&[&Key]]] = &[
 #[rustfmt::skip]
 static BEFORE_VALVE: &[&[&Key]] = &[
     keys::ALL,
-    crate::keys::gas::ALL, crate::keys::supply::ALL, crate::keys::receiver::ALL, crate::keys::exhaust::ALL,
+    crate::keys::gas::ALL, crate::keys::supply::ALL, crate::keys::receiver::ALL, crate::keys::regulator::ALL, crate::keys::exhaust::ALL,
     crate::keys::controller::ALL, crate::keys::encoder::ALL, crate::keys::sensors::ALL,
     crate::keys::operator::ALL, crate::keys::solenoid::ALL, crate::keys::hysteresis::ALL, crate::keys::dither::ALL, crate::keys::amplifier::ALL,
     crate::keys::empirical::ALL, crate::keys::stepper::ALL, crate::keys::on_off::ALL,

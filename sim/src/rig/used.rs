@@ -92,7 +92,7 @@ static TABLE: &[(&[&Key], &[When])] = &[
     (&[&keys::cushion::CUSHION_2_CONDUCTANCE.key],
      &[IsNot(&keys::vent::VENTED.key, &["chamber-2"]), NotZero(&keys::cushion::CUSHION_2_LENGTH_M.key)]),
     (&[&keys::walls::WALL_TEMPERATURE_K.key], &[NotZero(&keys::walls::HEAT_TRANSFER_W_PER_M2_K.key)]),
-    (&[&keys::test::RECEIVER_PRESSURE_PA.key], &[Is(&keys::supply::MODEL.key, &["receiver"])]),
+    (&[&keys::test::RECEIVER_PRESSURE_PA.key], &[IsNot(&keys::supply::MODEL.key, &["ideal"])]),
     (&[&keys::test::MOVES_MM.key, &keys::test::TARGETS_MM.key], &[CLOSED]),
     (&[&keys::test::VELOCITY_MM_S.key, &keys::test::ACCELERATION_MM_S2.key], &[LIMITED]),
     (&[&keys::test::JERK_MM_S3.key],

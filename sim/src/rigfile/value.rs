@@ -39,8 +39,9 @@ pub(super) fn end_of(key: &Key, item: &Item, surroundings: f64) -> Result<f64, S
 }
 
 /// Pressures that people state from that of the surroundings or from none: "6 bar" may be either, a bar apart.
-static FROM_SOMEWHERE: [&Key; 5] = [
+static FROM_SOMEWHERE: [&Key; 6] = [
     &keys::supply::PRESSURE_PA.key,
+    &keys::regulator::PRIMARY_PRESSURE_PA.key,
     &keys::sensors::PRESSURE_MIN_PA.key,
     &keys::sensors::PRESSURE_MAX_PA.key,
     &keys::test::PRESSURE_1_PA.key,

@@ -27,19 +27,19 @@ class Gas(Table):
 class Supply(Table):
     @property
     def model(self) -> str:
-        """Where the valve's air comes from: a reservoir of constant pressure, or a receiver of a volume, which the valve empties and a line fills."""
+        """Where the valve's air comes from: a reservoir of constant pressure, a receiver of a volume, which the valve empties and a line fills, or the volume behind a pressure regulator."""
     @property
     def pressure_pa(self) -> float:
-        """Absolute supply pressure; with a receiver that of the line in front of it, Pa."""
+        """Absolute supply pressure; with a receiver that of the line in front of it, with a regulator what it is set to at no flow, Pa."""
     @property
     def temperature_k(self) -> float:
         """Supply temperature; with a receiver that of the line, and of the receiver at the start, K."""
     @property
     def receiver_volume_m3(self) -> float:
-        """Volume of the receiver with the tube to the valve; 2 l is a round number, m3."""
+        """Volume of the receiver, or behind the regulator (filter bowl, line), with the tube to the valve; 2 l is a round number, m3."""
     @property
     def feed_conductance_m3_per_s_pa(self) -> float:
-        """Sonic conductance between line and receiver (ISO 6358), with all that is there. The default is that of a smooth tube of 4 mm bore and 3 m, for a line of 6 mm, m3/(s Pa)."""
+        """Sonic conductance between line and receiver (ISO 6358), with all that is there, a regulator wide open. The default is that of a smooth tube of 4 mm bore and 3 m, for a line of 6 mm, m3/(s Pa)."""
     @property
     def feed_critical_ratio(self) -> float:
         """Critical pressure ratio between line and receiver (ISO 6358); long tubes have 0.2 to 0.3."""
@@ -49,6 +49,15 @@ class Supply(Table):
     @property
     def receiver_heat_transfer_w_per_m2_k(self) -> float:
         """Heat transfer of the receiver's walls, which have the temperature of the surroundings; 0: adiabatic, W/(m2 K)."""
+    @property
+    def primary_pressure_pa(self) -> float:
+        """Absolute pressure of the line in front of the regulator, Pa."""
+    @property
+    def droop_pa(self) -> float:
+        """Fall of the outlet pressure below supply.pressure_pa at which the regulator is wide open: by its sheet (ISO 6953), the fall at a flow times the flow wide open over that flow. 1 bar is a round number, Pa."""
+    @property
+    def relief_conductance_m3_per_s_pa(self) -> float:
+        """Sonic conductance of the relief into the surroundings (ISO 6358), wide open supply.droop_pa above supply.pressure_pa; 0: it does not relieve. The default is a round number, m3/(s Pa)."""
 
 class Exhaust(Table):
     @property
@@ -780,7 +789,7 @@ class Test(Table):
         """Chamber 2 at the start, K."""
     @property
     def receiver_pressure_pa(self) -> float | None:
-        """Receiver of the supply at the start, absolute, Pa."""
+        """Receiver of the supply, or volume behind its regulator, at the start, absolute, Pa."""
 
 @type_check_only
 class RigKeys(TypedDict, total=False):
@@ -797,6 +806,9 @@ class RigKeys(TypedDict, total=False):
     supply__feed_critical_ratio: float
     supply__check_valve: bool
     supply__receiver_heat_transfer_w_per_m2_k: float
+    supply__primary_pressure_pa: float
+    supply__droop_pa: float
+    supply__relief_conductance_m3_per_s_pa: float
     exhaust__pressure_pa: float
     exhaust__temperature_k: float
     controller__model: str
@@ -1036,6 +1048,8 @@ class RigKeys(TypedDict, total=False):
     supply__pressure: str
     supply__temperature: str
     supply__receiver_volume: str
+    supply__primary_pressure: str
+    supply__droop: str
     exhaust__pressure: str
     exhaust__temperature: str
     controller__start: str

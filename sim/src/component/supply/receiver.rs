@@ -25,17 +25,18 @@ use std::f64::consts::PI;
 use crate::component::air::{ChamberAir, Volume};
 use crate::component::exhaust;
 use crate::component::gas::Gas;
+use crate::component::supply::regulator::{self, Regulator};
 use crate::component::supply::{self, SupplyKind, keys::MODEL};
 use crate::component::valve::iso6358::Opening;
 use crate::key::keys;
-use crate::values::Rig;
+use crate::values::{Findings, Rig};
 
 keys! {
-    RECEIVER_VOLUME_M3: f64 = number("supply.receiver_volume_m3", 2e-3, 1e-4, 100.0, "", "Volume of the receiver with the tube to the valve; 2 l is a round number.").chosen_by(&MODEL, &["receiver"]);
-    FEED_CONDUCTANCE: f64 = number("supply.feed_conductance_m3_per_s_pa", 8e-9, 1e-12, 1e-6, "", "Sonic conductance between line and receiver (ISO 6358), with all that is there. The default is that of a smooth tube of 4 mm bore and 3 m, for a line of 6 mm.").chosen_by(&MODEL, &["receiver"]).spread();
-    FEED_CRITICAL_RATIO: f64 = number("supply.feed_critical_ratio", 0.25, 0.0, 0.9, "", "Critical pressure ratio between line and receiver (ISO 6358); long tubes have 0.2 to 0.3.").chosen_by(&MODEL, &["receiver"]);
-    CHECK_VALVE: bool = switch("supply.check_valve", false, "", "Whether a check valve keeps the air of the receiver from flowing back into the line. A receiver is bought without one.").chosen_by(&MODEL, &["receiver"]);
-    RECEIVER_HEAT_TRANSFER: f64 = number("supply.receiver_heat_transfer_w_per_m2_k", 0.0, 0.0, 1e5, "", "Heat transfer of the receiver's walls, which have the temperature of the surroundings; 0: adiabatic.").chosen_by(&MODEL, &["receiver"]);
+    RECEIVER_VOLUME_M3: f64 = number("supply.receiver_volume_m3", 2e-3, 1e-4, 100.0, "", "Volume of the receiver, or behind the regulator (filter bowl, line), with the tube to the valve; 2 l is a round number.").chosen_by(&MODEL, &["receiver", "regulator"]);
+    FEED_CONDUCTANCE: f64 = number("supply.feed_conductance_m3_per_s_pa", 8e-9, 1e-12, 1e-6, "", "Sonic conductance between line and receiver (ISO 6358), with all that is there, a regulator wide open. The default is that of a smooth tube of 4 mm bore and 3 m, for a line of 6 mm.").chosen_by(&MODEL, &["receiver", "regulator"]).spread();
+    FEED_CRITICAL_RATIO: f64 = number("supply.feed_critical_ratio", 0.25, 0.0, 0.9, "", "Critical pressure ratio between line and receiver (ISO 6358); long tubes have 0.2 to 0.3.").chosen_by(&MODEL, &["receiver", "regulator"]);
+    CHECK_VALVE: bool = switch("supply.check_valve", false, "", "Whether a check valve keeps the air of the receiver from flowing back into the line. A receiver is bought without one.").chosen_by(&MODEL, &["receiver", "regulator"]);
+    RECEIVER_HEAT_TRANSFER: f64 = number("supply.receiver_heat_transfer_w_per_m2_k", 0.0, 0.0, 1e5, "", "Heat transfer of the receiver's walls, which have the temperature of the surroundings; 0: adiabatic.").chosen_by(&MODEL, &["receiver", "regulator"]);
 }
 
 /// A receiver and what feeds it, SI.
@@ -44,6 +45,7 @@ pub(crate) struct Receiver {
     /// V, m^3.
     volume: f64,
     feed: Feed,
+    regulator: Option<Regulator>,
     /// h A, W/K.
     heat_per_kelvin: f64,
     /// T_e, K.
@@ -57,17 +59,21 @@ pub struct ReceiverState {
     pub pressure: f64,
     /// K.
     pub temperature: f64,
-    /// mdot_f from the line, kg/s; negative when air flows back.
+    /// mdot_f from the line, kg/s; negative when air flows back, or out of a regulator.
     pub feed_flow: f64,
 }
 
 impl Receiver {
     /// The receiver of a rig.
     pub fn of(rig: &Rig) -> Option<Receiver> {
+        if rig.get(&MODEL) == SupplyKind::Ideal {
+            return None;
+        }
         let volume = rig.get(&keys::RECEIVER_VOLUME_M3);
-        (rig.get(&MODEL) == SupplyKind::Receiver).then(|| Receiver {
+        Some(Receiver {
             volume,
             feed: Feed::of(rig),
+            regulator: Regulator::of(rig, rig.get(&keys::FEED_CRITICAL_RATIO)),
             heat_per_kelvin: rig.get(&keys::RECEIVER_HEAT_TRANSFER) * wall_area(volume),
             wall_temperature: rig.get(&exhaust::keys::TEMPERATURE_K),
         })
@@ -83,6 +89,11 @@ impl Receiver {
         self.feed.line_pressure = pressure;
     }
 
+    /// Another pressure that a regulator is set to, Pa; false without one.
+    pub fn set_regulator(&mut self, pressure: f64) -> bool {
+        self.regulator.as_mut().map(|regulator| regulator.set = pressure).is_some()
+    }
+
     /// Air of a mass (kg) and an Exner pressure.
     #[inline]
     pub fn air(&self, gas: &Gas, [mass, exner]: [f64; 2]) -> ChamberAir {
@@ -92,10 +103,20 @@ impl Receiver {
     /// m' and w' for flows (kg/s) into the nodes, each with the temperature (K) that it carries.
     pub fn derivative(&self, gas: &Gas, air: &ChamberAir, [one, two]: [(f64, f64); 2]) -> [f64; 2] {
         let volume = Volume { volume: self.volume, rate: 0.0 };
-        let flows = [self.feed.flow(air), (-one.0, one.1), (-two.0, two.1)];
+        let flows = [self.inflow(air), (-one.0, one.1), (-two.0, two.1)];
         let [mass, exner] = air.derivative(gas, volume, flows);
         let heat = self.heat_per_kelvin * (self.wall_temperature - air.temperature);
         [mass, exner + air.exner_rate_of_heat(gas, self.volume, heat)]
+    }
+
+    /// mdot_f and T_f.
+    #[inline(always)]
+    fn inflow(&self, air: &ChamberAir) -> (f64, f64) {
+        let wide_open = self.feed.flow(air);
+        match &self.regulator {
+            None => wide_open,
+            Some(regulator) => regulator.passes(air, wide_open),
+        }
     }
 
     /// T', K/s, of air for the rates of its mass and its pressure: T = P V/(m R).
@@ -105,8 +126,16 @@ impl Receiver {
 
     /// What can be seen of its air.
     pub fn seen(&self, air: &ChamberAir) -> ReceiverState {
-        let (feed_flow, _) = self.feed.flow(air);
+        let (feed_flow, _) = self.inflow(air);
         ReceiverState { pressure: air.pressure, temperature: air.temperature, feed_flow }
+    }
+}
+
+/// The constraints on what feeds it.
+pub(crate) fn check(rig: &Rig, findings: &mut Findings) {
+    if rig.get(&MODEL) == SupplyKind::Regulator {
+        let of = |key| rig.get(key);
+        regulator::check(rig, of(&keys::FEED_CONDUCTANCE), of(&keys::RECEIVER_VOLUME_M3), findings);
     }
 }
 
@@ -130,7 +159,7 @@ struct Feed {
 impl Feed {
     fn of(rig: &Rig) -> Feed {
         Feed::new(
-            [&supply::keys::PRESSURE_PA, &supply::keys::TEMPERATURE_K].map(|key| rig.get(key)),
+            [regulator::line_pressure(rig), &supply::keys::TEMPERATURE_K].map(|key| rig.get(key)),
             rig.get(&keys::FEED_CONDUCTANCE),
             rig.get(&keys::FEED_CRITICAL_RATIO),
             rig.get(&keys::CHECK_VALVE),

@@ -94,7 +94,8 @@ impl System<2, 0, 0> for Emptying {
 /// length, of which the first is approached by shorter ones.
 fn off_after(steps: u32) -> f64 {
     let feed = Feed::new([5e4, TEMPERATURE], 8e-9, 0.25, false);
-    let receiver = Receiver { volume: 2e-3, feed, heat_per_kelvin: 0.0, wall_temperature: TEMPERATURE };
+    let receiver =
+        Receiver { volume: 2e-3, feed, regulator: None, heat_per_kelvin: 0.0, wall_temperature: TEMPERATURE };
     let tau = 2e-3 / (feed.opening.choked * 286.76 * TEMPERATURE.sqrt());
     let start = receiver.state_of(&gas(), LINE, TEMPERATURE);
     let mut integrator = Integrator::<2, 0, 0>::new(Method::Merson, 1e6, [1e-5, 1.0], start);
