@@ -280,10 +280,14 @@ impl Rig {
 
 /// The constraints between events and the rest of a rig.
 pub(crate) fn check(rig: &Rig, findings: &mut Findings) {
+    let events = rig.fault_events();
+    if events.is_empty() {
+        return;
+    }
     let line = regulator::line_pressure(rig);
     let (low, high) = (rig.get(&exhaust::keys::PRESSURE_PA), rig.get(line));
     let vented = rig.get(&vent::keys::VENTED).chamber();
-    for event in rig.fault_events() {
+    for event in events {
         if let FaultKind::Leak { chamber, .. } = event.kind
             && vented == Some(chamber)
         {
