@@ -169,7 +169,8 @@ fn check_flow(rig: &Rig, findings: &mut Findings) {
 /// the speed that it arrives at.
 fn check_dead_volumes(rig: &Rig, findings: &mut Findings) {
     let volumes = [&keys::actuator::RESIDUAL_VOLUME_1_M3, &keys::actuator::RESIDUAL_VOLUME_2_M3];
-    let behind = if has_cushions(rig) { " (of what a spear shuts off, with a cushion)" } else { "" };
+    let behind =
+        if has_cushions(rig) { " (of what is behind a spear or in its bore, with a cushion)" } else { "" };
     for (key, part) in volumes.into_iter().zip(dead_volume_taken_up(rig)) {
         if part > MAX_TAKEN_UP {
             findings.note(

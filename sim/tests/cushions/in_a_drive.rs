@@ -31,6 +31,23 @@ fn what_does_not_go_together_is_refused_by_key() {
             "must be between the rod of 0 m and the bore of 0.05 m at end 1",
         ),
         (
+            &[CUSHION, "actuator.cushion_1_length_m=0", "actuator.cushion_2_length_m=0"],
+            "actuator.cushion: \"adjustable\" has no length at either end: give actuator.cushion_1_length_m",
+        ),
+        (
+            &[CUSHION, "actuator.vented=\"chamber-1\"", "actuator.cushion_2_length_m=0"],
+            "actuator.cushion: \"adjustable\" has no length at either end: give actuator.cushion_2_length_m",
+        ),
+        (
+            &[
+                CUSHION,
+                "actuator.cushion_spear_diameter_m=0.049",
+                "actuator.cushion_dead_volume_percent=95",
+                "load.stop_stiffness_n_per_m=1e6",
+            ],
+            "actuator.residual_volume_1_m3: the piston pressed into its stop at the highest pressure takes up",
+        ),
+        (
             &[CUSHION, "actuator.vented=\"chamber-2\"", "actuator.cushion_2_length_m=0.03"],
             "has no effect with actuator.vented = \"chamber-2\"",
         ),

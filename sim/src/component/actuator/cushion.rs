@@ -90,9 +90,16 @@ pub(crate) struct Passing {
     pub temperature: f64,
 }
 
-const USED_UP: [&str; 2] = [
-    "the piston has run into its stop and taken up the dead volume behind the spear at the retracted end: give more actuator.cushion_dead_volume_percent, a larger load.stop_stiffness_n_per_m, or a load that arrives more slowly",
-    "the piston has run into its stop and taken up the dead volume behind the spear at the extended end: give more actuator.cushion_dead_volume_percent, a larger load.stop_stiffness_n_per_m, or a load that arrives more slowly",
+/// Of the volume behind the spear and of the pocket, at each end.
+const USED_UP: [[&str; 2]; 2] = [
+    [
+        "the piston has run into its stop and taken up the dead volume behind the spear at the retracted end: give more actuator.cushion_dead_volume_percent, a larger load.stop_stiffness_n_per_m, or a load that arrives more slowly",
+        "the piston has run into its stop and taken up the dead volume in the bore of the spear at the retracted end: give less actuator.cushion_dead_volume_percent, a larger load.stop_stiffness_n_per_m, or a load that arrives more slowly",
+    ],
+    [
+        "the piston has run into its stop and taken up the dead volume behind the spear at the extended end: give more actuator.cushion_dead_volume_percent, a larger load.stop_stiffness_n_per_m, or a load that arrives more slowly",
+        "the piston has run into its stop and taken up the dead volume in the bore of the spear at the extended end: give less actuator.cushion_dead_volume_percent, a larger load.stop_stiffness_n_per_m, or a load that arrives more slowly",
+    ],
 ];
 
 /// Part of a dead volume that is next to nothing.
@@ -129,6 +136,12 @@ fn rods(rig: &Rig) -> [f64; 2] {
 
 /// The constraints on the cushions of a rig.
 pub(crate) fn check(rig: &Rig, findings: &mut Findings) {
+    if rig.get(&keys::CUSHION) != CushionKind::None && !has_cushions(rig) {
+        let vented = Vent::of(rig).map(|vent| vent.chamber);
+        let given = LENGTHS[usize::from(vented == Some(0))].path;
+        let message = format!("\"adjustable\" has no length at either end: give {given}, or write \"none\"");
+        findings.note(&keys::CUSHION, message);
+    }
     let half = 0.5 * rig.get(&super::keys::STROKE_M);
     let key = &keys::CUSHION_SPEAR_DIAMETER_M;
     let (spear, bore) = (rig.get(key), rig.get(&super::keys::BORE_M));
@@ -242,12 +255,38 @@ impl Cushion {
         let own = self.end(end);
         let distance = self.distance(end, position);
         let left = [(own.area - own.spear) * distance + own.dead[0], own.spear * distance + own.dead[1]];
-        let is_little = (0..2).any(|i| left[i] < LEFT_OVER * own.dead[i]);
-        is_little.then_some(USED_UP[end])
+        let part = (0..2).find(|&i| left[i] < LEFT_OVER * own.dead[i])?;
+        Some(USED_UP[end][part])
     }
 
-    /// The part of the volume behind the spear that a piston takes up by giving way (m) at an end.
+    /// The part that a piston takes up by giving way (m) at an end: of the volume behind the spear or of its pocket, whichever is larger.
     pub fn taken_up(&self, end: usize, way: f64) -> Option<f64> {
-        self.ends[end].map(|own| (own.area - own.spear) * way / own.dead[0])
+        let parts = |own: End| [(own.area - own.spear) / own.dead[0], own.spear / own.dead[1]];
+        self.ends[end].map(|own| way * parts(own).into_iter().fold(0.0, f64::max))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 3 mm in front of the stop, and 3 mm beyond it; a spear of 45 mm in a bore of 50 mm, with 99 % or 1 % of the dead volume behind it.
+    #[test]
+    fn what_a_piston_has_taken_up_is_named_with_the_part_of_the_dead_volume_that_helps() {
+        let said = |percent: &str| {
+            let settings = [
+                "actuator.cushion=adjustable",
+                "actuator.cushion_spear_diameter_m=0.045",
+                &format!("actuator.cushion_dead_volume_percent={percent}"),
+                "load.stop_stiffness_n_per_m=1e8",
+            ];
+            let rig = Rig::read_with("cushioned", "", &settings.map(str::to_owned))
+                .unwrap_or_else(|problems| panic!("{problems}"));
+            let cushion = Cushion::of(&rig, [1.96e-3, 1.47e-3], [2e-5; 2]).expect("cushions");
+            assert_eq!(cushion.used_up(Some(0), 0.003), None);
+            cushion.used_up(Some(0), -0.003).expect("taken up")
+        };
+        assert!(said("99").contains("give less actuator.cushion_dead_volume_percent"), "{}", said("99"));
+        assert!(said("1").contains("give more actuator.cushion_dead_volume_percent"), "{}", said("1"));
     }
 }
