@@ -169,8 +169,11 @@ fn check_flow(rig: &Rig, findings: &mut Findings) {
 /// the speed that it arrives at.
 fn check_dead_volumes(rig: &Rig, findings: &mut Findings) {
     let volumes = [&keys::actuator::RESIDUAL_VOLUME_1_M3, &keys::actuator::RESIDUAL_VOLUME_2_M3];
-    let behind =
-        if has_cushions(rig) { " (of what is behind a spear or in its bore, with a cushion)" } else { "" };
+    let behind = if has_cushions(rig) {
+        " (of what is behind a spear or in its bore, with a cushion; actuator.cushion_dead_volume_percent divides it)"
+    } else {
+        ""
+    };
     for (key, part) in volumes.into_iter().zip(dead_volume_taken_up(rig)) {
         if part > MAX_TAKEN_UP {
             findings.note(
@@ -188,7 +191,8 @@ fn check_dead_volumes(rig: &Rig, findings: &mut Findings) {
 fn dead_volume_taken_up(rig: &Rig) -> [f64; 2] {
     let (actuator, load) = (Actuator::of(rig), Load::of(rig));
     let test = [rig.get(&keys::test::PRESSURE_1_PA).unwrap_or(0.0), rig.get(&keys::test::PRESSURE_2_PA)];
-    let highest = test.into_iter().fold(rig.get(&keys::supply::PRESSURE_PA), f64::max);
+    let supplied = rig.get(&keys::supply::PRESSURE_PA).max(start::receiver_pressure(rig));
+    let highest = test.into_iter().fold(supplied, f64::max);
     let standing = [0.0, actuator.stroke].map(|end| load.standing_force(end));
     let outside = actuator.ambient_pressure * actuator.rod_area;
     let [one, two] = actuator.highest_pressures(highest);

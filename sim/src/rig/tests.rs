@@ -84,6 +84,10 @@ fn what_does_not_go_together_is_refused_at_its_key() {
         ("[load]\nconstant_force_n = 90000\n", "load.constant_force_n: the supply cannot hold the load"),
         ("[tubing]\nmodel = \"analytical\"\nlength_m = 0.1\n", "make the tube longer or narrower"),
         ("[actuator]\nresidual_volume_2_m3 = 1e-9\n", "pressed into its stop"),
+        (
+            "[supply]\nmodel = \"receiver\"\n[test]\nreceiver_pressure_pa = 5e6\n[actuator]\nresidual_volume_1_m3 = 1e-3\n",
+            "pressed into its stop",
+        ),
         ("[controller]\ngain_profile = []\n", "must have 1 to 256 entries, has 0"),
         ("[controller]\nvelocity_gain = 1.5\n", "must be a whole number, not a float"),
         ("[[load]]\nmass_kg = 1\n", "write [load], not [[load]]"),
@@ -292,8 +296,10 @@ fn setpoints_beyond_a_soft_limit_are_refused() {
 /// -1 m is -3.6e9 counts of 300 mm/2^30: it once came to +7e8, and a run with moves that the check had passed panicked.
 #[test]
 fn a_soft_limit_beyond_what_the_controller_can_count_holds_no_setpoint_back() {
-    let fine = "[encoder]\nmodel = \"potentiometer\"\nbits = 30\n[safety]\nend_min_mm = -1000\n";
-    assert_eq!(read(fine).parameters().get(id::END_MIN_COUNTS), Some(-i32::MAX));
+    let fine = "[encoder]\nmodel = \"potentiometer\"\nbits = 30\n[safety]\nend_min_mm = -1000\n[test]\nmoves = [[0.0, 9000]]\nduration_s = 0.01\n";
+    let rig = read(fine);
+    assert_eq!(rig.parameters().get(id::END_MIN_COUNTS), Some(-i32::MAX));
+    crate::run(&rig, crate::Accuracy::of(&rig)).expect("it runs");
 }
 
 #[test]
