@@ -222,8 +222,8 @@ impl Plant {
         self.restless &= self.due.is_some();
     }
 
-    /// Changes the supply pressure, that of the line in front of a receiver, or what a regulator is set to, from the present sample on, Pa absolute; within the
-    /// range of `supply.pressure_pa`.
+    /// Changes the supply pressure, that of the line in front of a receiver, or what a regulator is set to, from the present sample on,
+    /// Pa absolute; within the range of `supply.pressure_pa`.
     pub fn set_supply_pressure(&mut self, pressure: f64) {
         let at = self.sample_time;
         let set =

@@ -275,29 +275,31 @@ fn the_pressure_of_a_receiver_converges_with_the_tolerance() {
     }
 }
 
-pub const PRESS: &str = include_str!("cascade/press.toml");
+const PRESS: &str = include_str!("cascade/press.toml");
 const RECEIVER: &str = "supply.model=receiver";
 
-/// What a receiver of a volume V keeps from being an ideal supply goes with 1/V.
-#[test]
-fn an_infinite_receiver_is_the_ideal_supply() {
+/// How far the press with this supply is off the one with an ideal supply in an open loop, m.
+pub fn off_the_ideal_supply(supply: &[&str]) -> f64 {
     let open = [
         "controller.law=gain-profile",
         "controller.loop=open",
         "test.moves=[[0.0, 600], [0.2, -600]]",
         "test.duration_s=0.35",
     ];
-    let positions = |more: &[&str]| -> Vec<f64> {
+    let rows = |supply: &[&str]| {
         let accuracy = Accuracy { tolerance: 1e-12, ..Accuracy::default() };
-        let run = run(&rig_of(PRESS, &[&open, more]), accuracy).expect("it runs");
-        run.rows.iter().map(|row| row.plant.position).collect()
+        run(&rig_of(PRESS, &[&open, supply]), accuracy).expect("it runs").rows
     };
-    let ideal = positions(&[]);
-    let off = |litres: f64| {
-        let found = positions(&[RECEIVER, &format!("supply.receiver_volume_m3={}", 1e-3 * litres)]);
-        found.iter().zip(&ideal).map(|(one, other)| (one - other).abs()).fold(0.0, f64::max)
-    };
-    let [large, larger] = [1e3, 1e5].map(off);
+    let pairs = rows(supply).into_iter().zip(rows(&[]));
+    pairs.map(|(one, other)| (one.plant.position - other.plant.position).abs()).fold(0.0, f64::max)
+}
+
+/// What a receiver of a volume V keeps from being an ideal supply goes with 1/V.
+#[test]
+fn an_infinite_receiver_is_the_ideal_supply() {
+    let [large, larger] = [1e3, 1e5].map(|litres: f64| {
+        off_the_ideal_supply(&[RECEIVER, &format!("supply.receiver_volume_m3={}", 1e-3 * litres)])
+    });
     assert!(larger < 1e-7 && (large / larger - 100.0).abs() < 5.0, "{large} m, {larger} m");
 }
 

@@ -17,8 +17,8 @@ use pneudrive_sim::trace::{Extra, Row};
 use pneudrive_sim::{Accuracy, Method, Plant, Recording, Rig, run, run_recorded};
 
 use crate::receiver::{
-    BY_CONDUCTANCE, C_VALVE, DENSITY, N, OPEN, OUTSIDE, PRESS, R, SHUT, T, VOLUME, balance, driven,
-    largest_gap, pressure, rig_of, rows, servo, vessel,
+    BY_CONDUCTANCE, C_VALVE, DENSITY, N, OPEN, OUTSIDE, R, SHUT, T, VOLUME, balance, driven, largest_gap,
+    off_the_ideal_supply, pressure, rows, servo, vessel,
 };
 use crate::vessel::charged;
 
@@ -243,22 +243,9 @@ fn the_outlet_pressure_converges_with_the_tolerance() {
 /// What it keeps from being an ideal supply goes with the droop.
 #[test]
 fn a_regulator_without_droop_is_the_ideal_supply() {
-    let open = [
-        "controller.law=gain-profile",
-        "controller.loop=open",
-        "test.moves=[[0.0, 600], [0.2, -600]]",
-        "test.duration_s=0.35",
-    ];
-    let positions = |more: &[&str]| -> Vec<f64> {
-        let accuracy = Accuracy { tolerance: 1e-12, ..Accuracy::default() };
-        let run = run(&rig_of(PRESS, &[&open, more]), accuracy).expect("it runs");
-        run.rows.iter().map(|row| row.plant.position).collect()
-    };
-    let ideal = positions(&[]);
     let off = |droop: &str| {
         let small = ["supply.receiver_volume_m3=1e-3", "supply.feed_conductance_m3_per_s_pa=1e-7", droop];
-        let found = positions(&[&REGULATOR[..3], &small].concat());
-        found.iter().zip(&ideal).map(|(one, other)| (one - other).abs()).fold(0.0, f64::max)
+        off_the_ideal_supply(&[&REGULATOR[..3], &small].concat())
     };
     let [large, small] = ["supply.droop_pa=1e4", "supply.droop_pa=1e3"].map(off);
     assert!(small < 1e-5 && (large / small - 10.0).abs() < 1.0, "{large} m, {small} m");

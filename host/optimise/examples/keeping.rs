@@ -6,8 +6,8 @@
 //!
 //! A DRIVE is one of the six of the catalogue; without one, all are measured. `draws=40 seed=1 range=1 bristles=1` as in the example
 //! `positioning`. `armings=4`: so many in a row, each with a step there, back and there again. `plant=load.mass_kg*2`: factors on
-//! values of the plant from the arming `from=3` on, counted from 0; with `growing=1` they grow up to the last arming, a factor by the same factor each time.
-//! `plant=valve.null_offset_mm+0.1` adds, and `before=` has the factors of the armings before. A line for each arming: its first
+//! values of the plant from the arming `from=3` on, counted from 0; with `growing=1` they grow up to the last arming, a factor in equal
+//! ratios. `plant=valve.null_offset_mm+0.1` adds, and `before=` has the factors of the armings before. A line for each arming: its first
 //! step with and without keeping.
 //!
 //! `moves=50`: a soak. Each arming has so many moves to drawn places, and one line tells of all with, and one without keeping. With
@@ -182,18 +182,21 @@ impl Asked {
 fn cells(score: &ArmingScore) -> String {
     let within = score.step.within.each_ref().map(|share| share.met.to_string()).join(" / ");
     let time = score.step.median_s[2].map_or("-".to_owned(), |s| format!("{s:.3}"));
-    let deviation =
-        score.deviation_mm.map_or("-".to_owned(), |[middle, worst]| format!("{middle:.2} ({worst:.2})"));
+    let deviation = deviation_cell(score.deviation_mm);
     let Proportion { met, of } = score.step.without_overshoot;
     let (beyond, failed) = (score.step.beyond_mm, score.step.failed.len());
     format!("{within} | {time} | {beyond:.2} ({}) | {deviation} | {failed}", of - met - failed)
 }
 
+/// Median and worst.
+fn deviation_cell(mm: Option<[f64; 2]>) -> String {
+    mm.map_or("-".to_owned(), |[middle, worst]| format!("{middle:.2} ({worst:.2})"))
+}
+
 /// The cells of the moves of a soak: within the bands, deviation, overshoot.
 fn moves_cells(score: &MovesScore) -> String {
     let within = score.within.each_ref().map(|share| share.met.to_string()).join(" / ");
-    let deviation =
-        score.deviation_mm.map_or("-".to_owned(), |[middle, worst]| format!("{middle:.2} ({worst:.2})"));
+    let deviation = deviation_cell(score.deviation_mm);
     let (all, beyond) = (score.within[0].of, score.beyond_mm);
     format!("{within} of {all} | {deviation} | {beyond:.2} ({})", score.overshoots)
 }

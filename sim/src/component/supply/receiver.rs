@@ -195,4 +195,4 @@ impl Feed {
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

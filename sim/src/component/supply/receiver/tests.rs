@@ -74,10 +74,10 @@ fn the_walls_are_those_of_a_closed_cylinder_twice_as_long_as_wide() {
     assert!((PI / 4.0 * diameter * diameter * 2.0 * diameter - 2e-3).abs() < 1e-15);
 }
 
-/// A receiver of 2 l that empties into a line of half a bar.
-struct Emptying(Receiver);
+/// A receiver of which nothing is drawn.
+struct Alone(Receiver);
 
-impl System<2, 0, 0> for Emptying {
+impl System<2, 0, 0> for Alone {
     fn derivative(&mut self, _: f64, x: &[f64; 2]) -> [f64; 2] {
         let air = self.0.air(&gas(), *x);
         self.0.derivative(&gas(), &air, [(0.0, 0.0); 2])
@@ -90,20 +90,31 @@ impl System<2, 0, 0> for Emptying {
     }
 }
 
-/// Its pressure after half of tau, from 7 bar, over what the closed form has (sim/tests/receiver.rs), less 1; in this many steps of one
-/// length, of which the first is approached by shorter ones.
+/// Its pressure (Pa) after a time (s), from a pressure on, in this many steps of one length, of which the first is approached by shorter
+/// ones.
+pub(in crate::component::supply) fn pressure_after(
+    receiver: Receiver,
+    from: f64,
+    time: f64,
+    steps: u32,
+) -> f64 {
+    let start = receiver.state_of(&gas(), from, TEMPERATURE);
+    let mut integrator = Integrator::<2, 0, 0>::new(Method::Merson, 1e6, [1e-5, 1.0], start);
+    for step in 1..=steps {
+        let t = time * f64::from(step) / f64::from(steps);
+        integrator.integrate_to(&mut Alone(receiver), t, t).expect("smooth");
+    }
+    receiver.air(&gas(), *integrator.state(time)).pressure
+}
+
+/// What a receiver of 2 l that empties from 7 bar into a line of half a bar has after half of tau, over the closed form
+/// (sim/tests/receiver.rs), less 1.
 fn off_after(steps: u32) -> f64 {
     let feed = Feed::new([5e4, TEMPERATURE], 8e-9, 0.25, false);
     let receiver =
         Receiver { volume: 2e-3, feed, regulator: None, heat_per_kelvin: 0.0, wall_temperature: TEMPERATURE };
     let tau = 2e-3 / (feed.opening.choked * 286.76 * TEMPERATURE.sqrt());
-    let start = receiver.state_of(&gas(), LINE, TEMPERATURE);
-    let mut integrator = Integrator::<2, 0, 0>::new(Method::Merson, 1e6, [1e-5, 1.0], start);
-    for step in 1..=steps {
-        let t = 0.5 * tau * f64::from(step) / f64::from(steps);
-        integrator.integrate_to(&mut Emptying(receiver), t, t).expect("smooth");
-    }
-    let end = receiver.air(&gas(), *integrator.state(0.5 * tau)).pressure;
+    let end = pressure_after(receiver, LINE, 0.5 * tau, steps);
     (end / (LINE * 1.1_f64.powi(-7)) - 1.0).abs()
 }
 

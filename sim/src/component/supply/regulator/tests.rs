@@ -1,6 +1,6 @@
 use super::*;
 use crate::component::supply::receiver::Receiver;
-use pneudrive_solver::{Derivative, Event, Integrator, Method, System};
+use crate::component::supply::receiver::tests::pressure_after;
 
 const SET: f64 = 6e5;
 const DROOP: f64 = 1e5;
@@ -67,34 +67,12 @@ fn its_flow_does_not_jump_where_it_begins_to_open_and_where_it_is_wide_open() {
     }
 }
 
-/// Charging with nothing drawn.
-struct Charging(Receiver);
-
-impl System<2, 0, 0> for Charging {
-    fn derivative(&mut self, _: f64, x: &[f64; 2]) -> [f64; 2] {
-        let air = self.0.air(&gas(), *x);
-        self.0.derivative(&gas(), &air, [(0.0, 0.0); 2])
-    }
-    fn guards(&mut self, _: f64, _: &[f64; 2]) -> [f64; 0] {
-        []
-    }
-    fn handle_event(&mut self, _: Event, _: f64, _: &mut [f64; 2]) -> Derivative {
-        Derivative::Discontinuous
-    }
-}
-
 /// From half open, P = P_s - D/2 exp(-t/tau): what is off after tau in this many steps of one length.
 fn off_after(steps: u32) -> f64 {
     let receiver = Receiver::of(&rig()).expect("a volume");
     let inlet = Opening::new(2e-8, 0.8).choked * 9e5 / TEMPERATURE.sqrt();
     let tau = 2e-3 * DROOP / (1.4 * 286.76 * TEMPERATURE * inlet);
-    let start = receiver.state_of(&gas(), SET - 0.5 * DROOP, TEMPERATURE);
-    let mut integrator = Integrator::<2, 0, 0>::new(Method::Merson, 1e6, [1e-5, 1.0], start);
-    for step in 1..=steps {
-        let t = tau * f64::from(step) / f64::from(steps);
-        integrator.integrate_to(&mut Charging(receiver), t, t).expect("smooth");
-    }
-    let end = receiver.air(&gas(), *integrator.state(tau)).pressure;
+    let end = pressure_after(receiver, SET - 0.5 * DROOP, tau, steps);
     (end - (SET - 0.5 * DROOP * (-1.0_f64).exp())).abs()
 }
 
