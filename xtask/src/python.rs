@@ -39,7 +39,7 @@ pub fn prepare() -> Result<()> {
     ENVIRONMENT.prepare(&workspace().join("tests/requirements.txt"))
 }
 
-/// Builds the wheel and installs it, without the optimisation of a release: the tests outside have already built most
+/// Builds the wheel and installs it, without the optimisation of a release: the tests outside have already built much
 /// of it in this way.
 ///
 /// # Errors
@@ -61,7 +61,8 @@ pub fn install() -> Result<()> {
 fn carry_library() -> Result<()> {
     // The library comes with the command, as what that is linked with.
     cargo::command()?;
-    let name = format!("{}pneudrive_fmu{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
+    let name =
+        format!("{}pneudrive_fmu_library{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
     let (from, folder) = (built("debug/deps")?.join(&name), workspace().join("python/pneudrive/library"));
     fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
     let to = folder.join(&name);

@@ -23,10 +23,10 @@ use crate::library::Library;
 use crate::part::Part;
 use crate::standard::Standard;
 
-/// The name of the library beside the program.
+/// The name of the library beside the program (host/fmu/library).
 #[must_use]
 pub fn library_name() -> String {
-    format!("{}pneudrive_fmu{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX)
+    format!("{}pneudrive_fmu_library{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX)
 }
 
 /// A cylinder with its valve.

@@ -1,7 +1,7 @@
 //! Servo-pneumatic drives as FMUs: models that other simulators load, under co-simulation of FMI 3.0 (Functional Mock-up
 //! Interface Specification 3.0, chapters 2 and 4) or 2.0 (chapters 2 and 4, too).
 //!
-//! An FMU holds one shared library, which is this crate, and the rig file that makes it one drive. There are three parts:
+//! An FMU holds one shared library, which is this crate (host/fmu/library), and the rig file that makes it one drive. There are three parts:
 //!
 //! ```text
 //! plant       command at sample k -> sample k + 1, and the state in SI units

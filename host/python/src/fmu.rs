@@ -20,7 +20,7 @@ fn of_package(py: Python<'_>) -> PyResult<PathBuf> {
         return Ok(place);
     }
     Err(NotThere::new_err(format!(
-        "this package was built without {}; in the sources, `cargo build --release -p pneudrive-fmu` makes it: \
+        "this package was built without {}; in the sources, `cargo build --release -p pneudrive-fmu-library` makes it: \
          library=\"target/release/{0}\"",
         library_name()
     )))

@@ -74,7 +74,7 @@ fn built() -> Result<PathBuf> {
     let places = [folder.join(&name), folder.join("deps").join(&name)];
     places.iter().find(|place| place.is_file()).cloned().ok_or_else(|| {
         Exit::NotThere.error(format!(
-            "there is no {name} beside this program ({}); build it with `cargo build --release -p pneudrive-fmu`, and name it with --library target/release/{name}",
+            "there is no {name} beside this program ({}); build it with `cargo build --release -p pneudrive-fmu-library`, and name it with --library target/release/{name}",
             folder.display()
         ))
     })

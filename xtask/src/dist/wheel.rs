@@ -16,7 +16,7 @@ const TOOLS: Environment = Environment("dist-venv");
 const TARGET: &str = "x86_64-unknown-linux-gnu";
 const C_LIBRARY: &str = "2.17";
 const PLATFORM: &str = "manylinux2014";
-const LIBRARY: &str = "libpneudrive_fmu.so";
+const LIBRARY: &str = "libpneudrive_fmu_library.so";
 
 /// Builds the library of FMUs, which it carries, and the wheel.
 ///
@@ -43,8 +43,16 @@ pub fn make(source: &Source, out: &Path) -> Result<()> {
 
 fn carry_library(source: &Source) -> Result<()> {
     let target = format!("{TARGET}.{C_LIBRARY}");
-    let call =
-        ["zigbuild", "--release", "--locked", "--quiet", "--package", "pneudrive-fmu", "--target", &target];
+    let call = [
+        "zigbuild",
+        "--release",
+        "--locked",
+        "--quiet",
+        "--package",
+        "pneudrive-fmu-library",
+        "--target",
+        &target,
+    ];
     let mut zigbuild = in_folder(source.folder(), &call);
     run(source.without_folders(zigbuild.env("PATH", path()?))?)?;
     let folder = source.folder().join("host/python/python/pneudrive/library");
