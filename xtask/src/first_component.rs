@@ -73,7 +73,7 @@ fn the_first_component_of_the_page_can_be_typed_and_is_seen_in_a_trace() {
 
     let target = target.expect("a path");
     let mut build = in_folder(&folder, &["build", "--quiet", "--package", "pneudrive"]);
-    // Without optimisation but of the simulator: its few commands take less time than building for them.
+    // Only the simulator is optimised: the commands of the page run for seconds.
     build.env("CARGO_TARGET_DIR", &target).env("CARGO_PROFILE_DEV_OPT_LEVEL", "0");
     run(&mut build).expect("it is built");
     let program = target.join("debug").join(format!("pneudrive{}", std::env::consts::EXE_SUFFIX));

@@ -59,7 +59,7 @@ pub fn install() -> Result<()> {
 
 /// Puts the library of FMUs into the package: `Rig.export_fmu` needs it.
 fn carry_library() -> Result<()> {
-    // The library comes with the command, as what that is linked with.
+    // Cargo builds the library with the command, which depends on it.
     cargo::command()?;
     let name =
         format!("{}pneudrive_fmu_library{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);

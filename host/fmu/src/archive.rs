@@ -4,7 +4,7 @@
 //! modelDescription.xml
 //! documentation/index.html                     what its variables are
 //! terminalsAndIcons/icon.svg, icon.png         model.png in FMI 2.0
-//! binaries/x86_64-linux/pneudrive_plant.so     the library: this crate, once for each system; linux64 in FMI 2.0
+//! binaries/x86_64-linux/pneudrive_plant.so     the library, once for each system; linux64 in FMI 2.0
 //! resources/rig.toml                           the rig file, with what was set in it
 //! ```
 
@@ -50,7 +50,7 @@ pub fn rig_file(source: &str, text: &str, settings: &[String]) -> Result<(Rig, S
     Ok((rig, text))
 }
 
-/// The bytes of an FMU: a part of a rig whose file is `rig_text`, with this crate as a library, one for each system.
+/// The bytes of an FMU: a part of a rig whose file is `rig_text`, with its libraries, one for each system.
 /// The same in, the same out.
 ///
 /// # Errors

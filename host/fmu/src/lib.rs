@@ -1,7 +1,8 @@
 //! Servo-pneumatic drives as FMUs: models that other simulators load, under co-simulation of FMI 3.0 (Functional Mock-up
 //! Interface Specification 3.0, chapters 2 and 4) or 2.0 (chapters 2 and 4, too).
 //!
-//! An FMU holds one shared library, which is this crate (host/fmu/library), and the rig file that makes it one drive. There are three parts:
+//! An FMU holds one shared library, with the functions of this crate, and the rig file that makes it one drive. host/fmu/library builds
+//! the library. There are three parts:
 //!
 //! ```text
 //! plant       command at sample k -> sample k + 1, and the state in SI units
@@ -24,7 +25,7 @@
 //! | [`instance`] | a model in the states of the standard: which calls are allowed when |
 //! | [`description`] | modelDescription.xml |
 //! | [`documentation`] | the page that explains them |
-//! | [`library`] | this crate as a library, of one system or another |
+//! | [`library`] | the shared library, of one system or another |
 //! | [`archive`] | the FMU as a file |
 //! | [`c_api`] | the functions of the standard, with unsafe code: pointers of a program in C |
 
