@@ -150,12 +150,13 @@ fn on_recorded_samples_it_commands_what_it_did() {
 }
 
 /// The integers beside the equations in real numbers on the same samples: place (counts), speed (counts a sample), standing force (of
-/// the supply's), mass, friction, lag of the valve (parts). Commands are alike but where a threshold falls to the other side. On bristles
-/// that happens in most turns and changes what follows, and a stepper's spool carries on what it owes: a step that is worth it on one
-/// side alone changes the steps behind it. Their records are not among them; the stepper has its own test beside its code.
+/// the supply's), mass, friction, lag of the valve (parts). Below 2 mm/s the friction of one sample can exceed the speed, and a rounding
+/// grows tenfold with each: so the equations take over place and speed after each sample. What is learned they keep to the end.
+/// Commands are alike but where a threshold falls to the other side. On bristles that happens in most turns and changes what follows:
+/// that record is not among them.
 #[test]
 fn the_integers_are_the_equations() {
-    for (name, text) in RECORDS.into_iter().filter(|(name, _)| !["bristles", "stepper"].contains(name)) {
+    for (name, text) in RECORDS.into_iter().filter(|(name, _)| *name != "bristles") {
         let record = Record::read(text);
         let (mut bench, mut oracle) = (record.bench(), Oracle::of(&record.parameters));
         let (mut worst, mut unlike) = ([0.0_f64; 6], 0);
@@ -175,9 +176,10 @@ fn the_integers_are_the_equations() {
                 *worst = worst.max(difference.abs());
             }
             unlike += u32::from((command - exact).abs() > 3);
+            (oracle.motion.x, oracle.motion.v) = (law.motion().x as f64 / 65_536.0, q16(law.motion().v));
             oracle.commanded(command);
         }
-        let bounds = [1e-3, 1e-3, 1e-4, 2e-4, 2e-4, 1e-3];
+        let bounds = [1e-4, 5e-4, 1e-5, 1e-4, 1e-4, 1e-4];
         let holds = worst.iter().zip(bounds).all(|(worst, bound)| *worst < bound);
         let taken = record.rows.len() as u32;
         assert!(holds && unlike * 100 <= taken, "{name}: {worst:?}, {unlike} of {taken} commands");

@@ -223,6 +223,9 @@ impl Cascade {
         let new = core::mem::replace(&mut self.target, target) != target;
         if new {
             self.rest.aim();
+            if matches!(self.phase, Phase::Rest { .. }) {
+                self.load.may_be_exchanged();
+            }
         }
         if let Some(point) = &reference.point {
             self.follow(settings, point, force);

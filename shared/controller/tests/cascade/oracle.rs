@@ -79,7 +79,7 @@ impl Oracle {
         } else {
             self.load.learn(c, step, self.motion.v, force, self.for_load);
         }
-        let mut seen = Seen { c, motion: &mut self.motion, load: &self.load, count, force };
+        let mut seen = Seen { c, motion: &mut self.motion, load: &mut self.load, count, force };
         self.plan.go_on(&mut seen, target);
         if !seen.motion.stuck && !self.for_load {
             self.lag.learn(c, missed);

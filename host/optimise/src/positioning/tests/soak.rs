@@ -36,19 +36,23 @@ fn three_hundred_moves_of_drives_that_keep_what_they_learn_neither_trip_nor_end_
     assert!(nearest.met >= 290, "{nearest:?}");
 }
 
-/// The mass doubles between two moves of an arming. The more moves were before, the longer it takes (docs/explanation/control.md).
+/// The first move with twice and with half the load holds its target as those before do.
 #[test]
-fn a_load_that_is_put_on_between_two_moves_is_learned_by_those_behind() {
+fn a_load_that_is_exchanged_between_two_moves_is_learned_in_the_move_behind() {
     let rig = drive("32x250", &["controller.law=cascade"]);
-    let plan = Plan { spread: Spread::default(), draws: 2, seed: 1 };
-    let asked = Soak { armings: 1, moves: 20, change_at: Some(10) };
-    let heavier = |_, drawn: &pneudrive_sim::Rig| {
-        let mass = 2.0 * drawn.number_at("load.mass_kg").expect("a mass");
-        Ok([drawn.clone(), drawn.with_plant(&[format!("load.mass_kg={mass:?}")])?])
-    };
-    let score = soak(&rig, &plan, &asked, heavier, || {}).expect("it runs");
-    assert!(score.trips.is_empty(), "{:?}", score.trips);
-    let deviations: Vec<f64> =
-        score.moves.iter().map(|part| part.deviation_mm.expect("it moves")[0]).collect();
-    assert!(deviations[1] > 2.0 * deviations[0] && deviations[2] < 0.3 * deviations[1], "{deviations:?}");
+    let plan = Plan { spread: Spread::default(), draws: 10, seed: 1 };
+    let asked = Soak { armings: 1, moves: 12, change_at: Some(10) };
+    for factor in [2.0, 0.5] {
+        let exchanged = |_, drawn: &pneudrive_sim::Rig| {
+            let mass = factor * drawn.number_at("load.mass_kg").expect("a mass");
+            Ok([drawn.clone(), drawn.with_plant(&[format!("load.mass_kg={mass:?}")])?])
+        };
+        let score = soak(&rig, &plan, &asked, exchanged, || {}).expect("it runs");
+        assert!(score.trips.is_empty(), "{:?}", score.trips);
+        let nearest: Vec<_> = score.moves.iter().map(|part| part.within[2]).collect();
+        let [_, first, others] = nearest.as_slice() else { panic!("{nearest:?}") };
+        // 119 of 120 do. With a mass as certain as many moves make it, 20 of 120 do.
+        assert!(first.met >= 9 && first.of == 10, "mass x {factor}: {first:?}");
+        assert!(others.met >= 9 && others.of == 10, "mass x {factor}: {others:?}");
+    }
 }

@@ -9,6 +9,8 @@
 //! 0.3, the stiction, B itself), forces in units of their noise, for recursive least squares (`squares`). What the filter still
 //! holds of the stiction is doubt.
 //!
+//! A load may be exchanged while it rests: with a new target the variance of M grows by a quarter of the prior's.
+//!
 //! Every other sample above 30 mm/s counts; those between are for the lag of the valve ([`super::lag`]). What is learned stays within its bounds: M 0.25 to 2.5, s 0.3 to 2, d within 8 stictions, B 0 to 5
 //! times that of the rig file.
 //!
@@ -28,6 +30,9 @@ const SPREAD: i32 = 19_661;
 /// The bounds of the unknowns, Q24.
 const BOUNDS: [[i32; 2]; 4] =
     [[-41_943_040, 83_886_080], [-39_146_837, 55_924_053], [-8 * ONE, 8 * ONE], [-ONE, 4 * ONE]];
+
+/// What the variance of the mass grows by before a move, Q30: half the prior deviation.
+const EXCHANGED: i32 = 1 << 28;
 
 /// What is left of a beginning of which nothing is known, 64 times as much as of one at which a load breaks away: in 29 ms it is as much.
 const LOST: Filter = [64 * ONE; 3];
@@ -225,6 +230,11 @@ impl Load {
     #[inline]
     pub fn inertia(&self, constants: &Constants) -> i32 {
         product(constants.inertia, self.mass, 16)
+    }
+
+    /// At rest, with a new target: it may be another load.
+    pub(super) fn may_be_exchanged(&mut self) {
+        self.squares.doubt(0, EXCHANGED);
     }
 
     /// A load at rest tells nothing.

@@ -42,6 +42,13 @@ impl<const N: usize> Default for Squares<N> {
 }
 
 impl<const N: usize> Squares<N> {
+    /// An unknown may have changed: its variance grows by so much (Q30), up to that of the prior.
+    pub(super) fn doubt(&mut self, unknown: usize, by: i32) {
+        if let Some(variance) = self.covariance.get_mut(unknown).and_then(|row| row.get_mut(unknown)) {
+            *variance = variance.saturating_add(by).min(CERTAIN);
+        }
+    }
+
     /// Takes a sample; `doubt` is the square of what is uncertain besides the noise, Q16, `bounds` are those of the unknowns.
     #[inline(always)]
     pub(super) fn fit(&mut self, h: [i32; N], y: i32, doubt: i32, bounds: &[[i32; 2]; N]) {

@@ -38,6 +38,11 @@ impl Load {
         self.friction() * c.coulomb(sign)
     }
 
+    /// Half the prior deviation of the mass.
+    pub fn may_be_exchanged(&mut self) {
+        self.squares.doubt(0, 0.25);
+    }
+
     pub fn forget(&mut self) {
         self.filter = None;
     }

@@ -31,7 +31,7 @@ pub struct Plan {
 pub struct Seen<'a> {
     pub c: &'a Constants,
     pub motion: &'a mut Motion,
-    pub load: &'a Load,
+    pub load: &'a mut Load,
     pub count: i32,
     pub force: f64,
 }
@@ -74,6 +74,9 @@ impl Plan {
         let error = f64::from(target - seen.count);
         if target != self.target {
             (self.target, self.turns, self.tries) = (target, 0, 0);
+            if matches!(self.phase, Phase::Rest { .. }) {
+                seen.load.may_be_exchanged();
+            }
             if seen.motion.stuck && error.abs() < c.counts(40e-6) {
                 self.rest(seen);
             } else {

@@ -16,6 +16,11 @@ impl<const N: usize> Default for Squares<N> {
 }
 
 impl<const N: usize> Squares<N> {
+    /// An unknown may have changed: its variance grows, up to that of the prior.
+    pub fn doubt(&mut self, unknown: usize, by: f64) {
+        self.covariance[unknown][unknown] = (self.covariance[unknown][unknown] + by).min(1.0);
+    }
+
     pub fn fit(&mut self, h: [f64; N], y: f64, doubt: f64) {
         let p_h: [f64; N] =
             std::array::from_fn(|i| self.covariance[i].iter().zip(&h).map(|(p, h)| p * h).sum());
