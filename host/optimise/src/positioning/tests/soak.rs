@@ -51,7 +51,7 @@ fn a_load_that_is_exchanged_between_two_moves_is_learned_in_the_move_behind() {
         assert!(score.trips.is_empty(), "{:?}", score.trips);
         let nearest: Vec<_> = score.moves.iter().map(|part| part.within[2]).collect();
         let [_, first, others] = nearest.as_slice() else { panic!("{nearest:?}") };
-        // 119 of 120 do. With a mass as certain as many moves make it, 20 of 120 do.
+        // 118 to 120 of 120 do. With a mass as certain as many moves make it, 26 to 38 of 120 do.
         assert!(first.met >= 9 && first.of == 10, "mass x {factor}: {first:?}");
         assert!(others.met >= 9 && others.of == 10, "mass x {factor}: {others:?}");
     }
