@@ -1,7 +1,7 @@
 //! Doubt: when what was learned, or what the pressures say, is not of this drive.
 //!
 //! ```text
-//! bound      M, d of the load, d of the motion or the pace stays at a bound             longer than a time, in motion
+//! bound      M, d of the load, d of the motion or the pace is at a bound                longer by a time than not, in motion
 //! flow       |g| > max(E, R) + half a count of a pressure                               longer than a time
 //! jump       |F - F_1| > 1.25 (max(E, R) + K (|step| + 1)) + 1/32, and the next sample is not back at F_1
 //! frozen     a raw pressure stays the same while F changes by 0.08 and the load moves by 5 mm
@@ -77,7 +77,7 @@ pub struct Doubt {
     last: [Reading; 2],
     /// The rate of the open valve, no less than 15/16 of what it was two samples before.
     reach: i32,
-    /// Samples on end with something at a bound, and beyond the flow.
+    /// Samples with something at a bound less those without, and samples on end beyond the flow.
     at_bound: u32,
     beyond: u32,
     /// The first that ended the run.
@@ -178,7 +178,8 @@ impl Doubt {
     /// A sample in motion, of every second one: whether something that was learned is at a bound.
     #[inline(always)]
     pub(super) fn stray(&mut self, constants: &Constants, is_at_bound: bool) {
-        self.at_bound = if is_at_bound { self.at_bound.saturating_add(2) } else { 0 };
+        self.at_bound =
+            if is_at_bound { self.at_bound.saturating_add(2) } else { self.at_bound.saturating_sub(2) };
         if self.at_bound > constants.bound {
             self.fault = self.fault.or(Some(Fault::ModelAtBound));
         }
