@@ -12,8 +12,8 @@
 //! that is a fifth below that of the rig file fills no chamber any more which the model still sees filled. What the observer misses lags, and the small chamber of a piston at its end fills within
 //! samples: so the largest of E and R falls by no more than 1/16 in two samples there. A single reading that is wrong is none of them.
 //! A chamber that is full, or empty, keeps its pressure while the other changes: above 0.92 and within 0.05 of the exhaust nothing
-//! counts as frozen. One whose pressure turns, as behind a piston that brakes, may stay within a count for 8 mm: so a sensor whose
-//! noise is still there is none that is frozen. A long one sleeps through the first millimetres of a piston that leaves its stop.
+//! counts as frozen. A pressure that passes its extremum, as before a piston that ends its acceleration, may stay within a count for
+//! 8 mm, so a reading that still has noise does not count as frozen. A long chamber sleeps through the first millimetres of a piston that leaves its stop.
 //!
 //! Friction and B are no evidence: they are guessed, and a sound drive may have less or more of them than their bounds allow.
 //!
@@ -190,7 +190,8 @@ impl Doubt {
 mod tests {
     use super::*;
 
-    /// A piston that ends its acceleration: the force falls by 0.2 in 9 mm while the pressure behind it turns. Counts of 10 um.
+    /// A piston that ends its acceleration: the force falls by 0.19 in 8.4 mm while the pressure before it passes its minimum. Counts
+    /// of 10 um.
     fn turns(raw: impl Fn(i16) -> i16) -> Option<Fault> {
         let constants = Constants { bound: 500, flow: 5, moved: 500, noise: 0, empty: 2 * EMPTY };
         let air = Air { extend: ONE / 8, retract: ONE / 8, ..Air::default() };
